@@ -1,0 +1,22 @@
+# Compiler settings and dependencies of every target, in one place.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(TBB REQUIRED)
+find_package(OpenImageIO REQUIRED)
+
+# OpenVDB ships a find module only, and it wants to be told where.
+find_path(OPENVDB_CMAKE_DIR FindOpenVDB.cmake PATH_SUFFIXES cmake/OpenVDB PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE})
+if(OPENVDB_CMAKE_DIR)
+  list(APPEND CMAKE_MODULE_PATH ${OPENVDB_CMAKE_DIR})
+endif()
+set(OpenVDB_FIND_QUIETLY TRUE)
+find_package(OpenVDB REQUIRED)
+
+add_library(stormfield_options INTERFACE)
+# std::complex products without the checks for infinities that the field never contains.
+target_compile_options(stormfield_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  -fcx-limited-range $<$<BOOL:${STORMFIELD_WERROR}>:-Werror>)
+target_compile_options(stormfield_options INTERFACE $<$<CONFIG:Release>:-O3>)
+if(STORMFIELD_SANITIZE)
+  target_compile_options(stormfield_options INTERFACE -fsanitize=${STORMFIELD_SANITIZE} -fno-omit-frame-pointer -g)
+  target_link_options(stormfield_options INTERFACE -fsanitize=${STORMFIELD_SANITIZE})
+endif()

@@ -1,0 +1,30 @@
+// Progress and cancellation of long work, shared between a worker and the thread that watches it.
+#pragma once
+
+#include <atomic>
+
+#include "base/error.h"
+
+namespace stormfield {
+
+/// Written by the worker (report, check), read and cancelled by the watcher. All members are thread-safe.
+class Progress {
+ public:
+  /// Done so far, 0..1.
+  void report(double fraction) noexcept { fraction_.store(fraction, std::memory_order_relaxed); }
+  double fraction() const noexcept { return fraction_.load(std::memory_order_relaxed); }
+
+  void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+  bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
+
+  /// Throws Cancelled once cancel() was called. Long loops call it often enough to stop within 0.1 s.
+  void check() const {
+    if (cancelled()) throw Cancelled();
+  }
+
+ private:
+  std::atomic<double> fraction_{0.0};
+  std::atomic<bool> cancelled_{false};
+};
+
+}  // namespace stormfield

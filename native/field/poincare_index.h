@@ -1,0 +1,22 @@
+// Poincare index of every face, an integer from edge data only (thesis 2.2.3; decision 2).
+//
+// Along an edge the field turns by the wrapped angle between its two carried end vectors, computed once per edge; at the
+// corners it turns by the chart's own twist. The turns around a face add up to 2 pi times an integer, and over a closed
+// mesh these integers add up to the Euler characteristic exactly, whatever the values.
+#pragma once
+
+#include <vector>
+
+#include "field/vector_field.h"
+
+namespace stormfield {
+
+/// Turn of the field along halfedge edgeHalfedge(e), radians in (-pi, pi]. Opposed end vectors turn by +pi along the
+/// canonical halfedge; a zero vector counts as an infinitesimal one along its chart's x axis. Both rules are
+/// deterministic, so that zeros on edges and at vertices belong to one face only.
+std::vector<double> edgeTurns(const VertexCharts& charts, const Complex* values);
+/// One index per face.
+std::vector<int> poincareIndices(const VertexCharts& charts, const Complex* values);
+std::vector<int> poincareIndices(const VectorField& field);
+
+}  // namespace stormfield

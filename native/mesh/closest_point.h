@@ -1,0 +1,32 @@
+// Closest points on the surface, through Eigen's bounding volume hierarchy.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "mesh/surface_point.h"
+
+namespace stormfield {
+
+struct ClosestPoint {
+  SurfacePoint point;
+  double distance = 0.0;  ///< mesh units
+};
+
+class ClosestPointQuery {
+ public:
+  explicit ClosestPointQuery(std::shared_ptr<const TriangleMesh> mesh);
+  ~ClosestPointQuery();
+  ClosestPointQuery(ClosestPointQuery&&) noexcept;
+
+  ClosestPoint closest(const Vec3& p) const;
+  /// One result per row, in parallel.
+  std::vector<ClosestPoint> closest(const Points& points) const;
+
+ private:
+  struct Tree;
+  std::shared_ptr<const TriangleMesh> mesh_;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace stormfield

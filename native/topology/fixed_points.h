@@ -1,0 +1,34 @@
+// Fixed points of an instantaneous field: where it is zero, and what the flow does there (thesis 2.2.1, 2.2.3).
+#pragma once
+
+#include <vector>
+
+#include "field/interpolation.h"
+#include "mesh/surface_point.h"
+
+namespace stormfield {
+
+enum class FixedPointKind { Source, Sink, Saddle, Center, Degenerate };
+
+/// Lower-case word used in files and messages.
+const char* name(FixedPointKind kind);
+
+struct FixedPoint {
+  SurfacePoint point;
+  Vec3 position = Vec3::Zero();
+  int index = 0;               ///< Poincare index
+  FixedPointKind kind = FixedPointKind::Degenerate;
+  Eigen::Matrix2d jacobian = Eigen::Matrix2d::Zero();  ///< in the face's flat frame, 1/s
+  double rotation = 0.0;       ///< curl at the point, 1/s: > 0 turns counter-clockwise seen from outside
+};
+
+struct FixedPointOptions {
+  /// |trace| below this part of the rotation speed counts as a center, |det| below it (squared) as degenerate.
+  double relativeTolerance = 1e-3;
+};
+
+/// All faces with a Poincare index other than zero, in face order. The sum of the indices is the Euler characteristic
+/// on a closed mesh. Faces are searched in parallel; the result does not depend on the thread count.
+std::vector<FixedPoint> findFixedPoints(const VectorField& field, const FixedPointOptions& options = {});
+
+}  // namespace stormfield
