@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that Stormfield is built from and that are missing. Without root or sudo it prints the
+# one command to run.
+set -euo pipefail
+
+packages=(
+  build-essential cmake ninja-build ccache python3 python3-venv python3-dev
+  libeigen3-dev libtbb-dev libopenvdb-dev libboost-dev libboost-iostreams-dev libblosc-dev libimath-dev
+  libopenimageio-dev libgtest-dev libbenchmark-dev ffmpeg
+  # what Blender as a Python module loads
+  libx11-6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1 libegl1
+)
+
+missing=()
+for package in "${packages[@]}"; do
+  status=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
+  [ "$status" = "install ok installed" ] || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+install="apt-get install -y --no-install-recommends ${missing[*]}"
+if [ "$(id -u)" -eq 0 ]; then
+  apt-get update -qq
+  DEBIAN_FRONTEND=noninteractive $install
+elif sudo -n true 2>/dev/null; then
+  sudo apt-get update -qq
+  sudo DEBIAN_FRONTEND=noninteractive $install
+else
+  echo "Stormfield needs Debian packages that are not installed. Please run:" >&2
+  echo "  sudo $install" >&2
+  exit 1
+fi

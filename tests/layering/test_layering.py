@@ -1,0 +1,110 @@
+"""The arrows of the architecture: who may include or import whom."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+# Each folder of native/ and what it may include besides itself.
+NATIVE = {
+    "base": [],
+    "mesh": ["base"],
+    "field": ["base", "mesh"],
+    "tracing": ["base", "mesh", "field"],
+    "topology": ["base", "mesh", "field", "tracing"],
+    "design": ["base", "mesh", "field", "tracing"],
+    "texture": ["base", "mesh", "field", "tracing"],
+    "io": ["base", "mesh", "field"],
+    "bindings": ["base", "mesh", "field", "tracing", "topology", "design", "texture", "io"],
+}
+
+# Parts of the add-on that run without Blender, and the parts they must not import.
+WITHOUT_BLENDER = ["model", "native.py", "solve.py", "bake", "readers"]
+BLENDER_PARTS = {"convert", "properties", "operators", "ui", "shading", "presets", "handlers"}
+# Blender's own Python modules are found through bpy; these files alone do that, and only inside functions.
+MAY_ASK_BPY = {"bake/usd.py", "native.py"}
+
+
+def forbidden_includes(text: str, folder: str) -> list[str]:
+    """Includes of our own headers that `folder` may not use."""
+    allowed = {folder, *NATIVE[folder]}
+    return [path for path in re.findall(r'#include "([^"]+)"', text) if path.split("/")[0] not in allowed]
+
+
+def imports(text: str) -> list[tuple[str, bool]]:
+    """Imported modules as (dotted name relative to the package, is at module level)."""
+    tree = ast.parse(text)
+    top = set(map(id, tree.body))
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found += [(alias.name, id(node) in top) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = "." * node.level + (node.module or "")
+            names = [base] if node.module else [base + alias.name for alias in node.names]
+            found += [(name, id(node) in top) for name in names]
+    return found
+
+
+@pytest.mark.parametrize("folder", NATIVE)
+def test_native_includes_point_left(folder):
+    for path in sorted((ROOT / "native" / folder).rglob("*")):
+        if path.suffix in {".h", ".cpp"}:
+            bad = forbidden_includes(path.read_text(), folder)
+            assert not bad, f"{path.relative_to(ROOT)} includes {bad}; {folder} may include {NATIVE[folder]}"
+
+
+def test_every_native_folder_is_listed():
+    assert {p.name for p in (ROOT / "native").iterdir() if p.is_dir()} == set(NATIVE)
+
+
+def test_pybind11_stays_in_bindings():
+    for path in (ROOT / "native").rglob("*.*"):
+        if path.parent.name != "bindings" and path.suffix in {".h", ".cpp"}:
+            assert "pybind11" not in path.read_text(), path
+
+
+def blender_free_files():
+    for part in WITHOUT_BLENDER:
+        path = ROOT / "addon" / part
+        yield from [path] if path.is_file() else sorted(path.rglob("*.py"))
+
+
+def test_blender_free_parts_do_not_import_blender():
+    for path in blender_free_files():
+        relative = path.relative_to(ROOT / "addon").as_posix()
+        for name, top in imports(path.read_text()):
+            if name.split(".")[0] in {"bpy", "mathutils", "gpu"}:
+                assert relative in MAY_ASK_BPY and not top, f"addon/{relative} imports {name}"
+            part = name.lstrip(".").split(".")[0]
+            if name.startswith("."):
+                assert part not in BLENDER_PARTS, f"addon/{relative} imports {name}"
+
+
+def test_model_knows_neither_native_nor_blender():
+    for path in (ROOT / "addon" / "model").rglob("*.py"):
+        for name, _ in imports(path.read_text()):
+            assert "native" not in name and "bpy" not in name, f"{path.name} imports {name}"
+
+
+def test_the_native_module_has_one_door():
+    for path in (ROOT / "addon").rglob("*.py"):
+        if path.name == "native.py":
+            continue
+        for name, _ in imports(path.read_text()):
+            assert name.split(".")[0] != "stormfield_native", f"{path.relative_to(ROOT)}: import it through native.py"
+
+
+def test_addon_imports_are_relative():
+    for path in (ROOT / "addon").rglob("*.py"):
+        for name, _ in imports(path.read_text()):
+            assert name.split(".")[0] != "stormfield", f"{path.relative_to(ROOT)}: {name}"
+
+
+def test_the_checks_can_fail():
+    assert forbidden_includes('#include "design/constraint.h"\n', "mesh") == ["design/constraint.h"]
+    assert ("..operators", True) in imports("from ..operators import x")
+    assert ("bpy", False) in imports("def f():\n    import bpy")
