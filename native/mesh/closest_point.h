@@ -1,4 +1,6 @@
 // Closest points on the surface, through Eigen's bounding volume hierarchy.
+//
+// Throws InputError on query points that are not finite. Among equally close points one is chosen, always the same.
 #pragma once
 
 #include <memory>

@@ -5,7 +5,7 @@
 // the caller's and never changes) but belong to no component.
 //
 //   TriangleMesh mesh(points, triangles);           // throws MeshError
-//   for (Index h = mesh.outgoing(v); h != kNone; h = mesh.nextOutgoing(h, v)) ...
+//   for (Index h = mesh.outgoing(v); h != kNone; h = mesh.nextOutgoing(h)) ...
 #pragma once
 
 #include <vector>
@@ -18,8 +18,8 @@ class TriangleMesh {
  public:
   /// Checks and connects. Faces of a component whose orientations disagree are flipped to agree with the majority
   /// (see flippedFaceCount). Throws MeshError naming the element and the cure on: a bad index, a coordinate that is not
-  /// finite, a face without area, a face given twice, an edge with three faces, a vertex with two fans, a surface that
-  /// cannot be oriented.
+  /// finite, no faces, a face without area, a face given twice, an edge with three faces, a vertex with two fans, a
+  /// surface that cannot be oriented.
   TriangleMesh(Points points, Triangles triangles);
 
   Index vertexCount() const { return static_cast<Index>(points_.rows()); }
@@ -79,6 +79,10 @@ class TriangleMesh {
   double meanEdgeLength() const { return meanEdgeLength_; }
 
  private:
+  void numberEdges();
+  void findComponents(const std::vector<Index>& faceComponent);
+  void measure();
+
   Points points_;
   Triangles triangles_;
   std::vector<Index> twin_, edge_, edgeHalfedge_, outgoing_, component_;

@@ -46,6 +46,10 @@ class VertexCharts {
   Complex spaceToFace(Index f, const Vec3& a) const;
 
  private:
+  void measureAngles(Index v);
+  void connect(Index canonicalHalfedge);
+  void placeFrame(Index v);
+
   std::shared_ptr<const TriangleMesh> mesh_;
   std::vector<double> scale_, totalAngle_, tailAngle_, headAngle_, faceAngle_;
   std::vector<Complex> transport_;
