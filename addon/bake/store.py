@@ -1,0 +1,241 @@
+"""A folder of sample files that is never half true (decision 7).
+
+    store = CacheStore(folder, plan, resume=True)     # refuses a foreign mesh, a newer schema, an unwritable folder
+    for j in store.missing():
+        store.write(j, lambda path: ...)              # temporary name, fsync, checksum, rename
+    store.finish({"field.usda": lambda path: ...})    # shared files, then manifest.json
+
+While the bake runs the folder holds plan.json, and beside each finished sample its checksum (NAME.sha256, as sha256sum
+writes it); finish() moves the checksums into the manifest. Several machines may write disjoint samples of one plan into
+one folder, or into folders that are copied together: the last one to finish writes the manifest, and the bytes do not
+depend on the split. Faults of the disk become one InputError; the file in work is removed, finished samples stay.
+"""
+
+import contextlib
+import errno
+import hashlib
+import os
+import socket
+import time
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+from ..model.errors import InputError
+from .manifest import MANIFEST, NAME, PLAN, SHARED, Plan, read_manifest, read_plan, text
+
+WriteFile = Callable[[Path], None]
+
+TEMPORARY = ".tmp-"
+CHECKSUM = ".sha256"
+#: A temporary file this old (seconds) has lost its writer.
+ABANDONED = 3600.0
+
+
+class CacheStore:
+    """Writer of one cache folder.
+
+    resume: keep the samples already there; they must come from an equal plan. Otherwise samples of an equal plan are
+    kept for other writers but count as missing for this one, and those of another plan are deleted.
+    replace: a cache of another mesh is deleted instead of refused.
+    """
+
+    def __init__(self, folder: str | os.PathLike, plan: Plan, *, resume: bool = False, replace: bool = False):
+        self.folder = Path(folder)
+        self.plan = plan
+        self.names = plan.names
+        self._resume = resume
+        self._written: set[int] = set()
+        found = _existing_plan(self.folder)
+        if found is not None and not found.same(plan):
+            self._check_replaceable(found, resume, replace)
+        with _disk_faults(self.folder):
+            for folder_name in {name.partition("/")[0] for name in self.names}:
+                (self.folder / folder_name).mkdir(parents=True, exist_ok=True)
+            if found is not None and not found.same(plan):
+                delete_cache(self.folder, keep_folders=True)
+            _remove_temporary(self.folder, older_than=ABANDONED)
+            if not (self.folder / MANIFEST).exists():
+                self._atomic(PLAN, lambda path: path.write_text(text(plan), encoding="utf-8"))
+
+    def missing(self) -> list[int]:
+        """Samples this writer has to write: absent, damaged, or (without resume) not yet rewritten."""
+        if not self._resume:
+            return [j for j in range(len(self.names)) if j not in self._written]
+        return self.owed()
+
+    def owed(self) -> list[int]:
+        """Samples that no writer has finished yet."""
+        sums = self._checksums()
+        return [j for j, name in enumerate(self.names) if not self._intact(name, sums.get(name))]
+
+    def write(self, index: int, write_file: WriteFile) -> None:
+        """write_file(path) must leave a complete file at path; it gets its name when it is safely on the disk."""
+        with _disk_faults(self.folder):
+            self._reopen()
+            self._atomic(self.names[index], write_file, checksum=True)
+        self._written.add(index)
+
+    def finish(self, shared: Mapping[str, WriteFile]) -> bool:
+        """Writes the shared files and the manifest; False (and nothing written) while samples are missing."""
+        if (self.folder / MANIFEST).exists() and self._whole():
+            self._clean()
+            return True
+        with _disk_faults(self.folder):
+            self._reopen()
+            if self.owed():
+                return False
+            files = self._checksums()
+            files = {name: files[name] for name in self.names}
+            for name, write_file in shared.items():
+                files[name] = self._atomic(name, write_file)
+            self._atomic(MANIFEST, lambda path: path.write_text(text(self.plan, files), encoding="utf-8"))
+            self._clean()
+        return True
+
+    # Steps ------------------------------------------------------------------------------------------------------------
+
+    def _check_replaceable(self, found: Plan, resume: bool, replace: bool) -> None:
+        if found.mesh != self.plan.mesh and not replace:
+            raise InputError(
+                f"{self.folder}: holds the cache of another mesh ({found.mesh.vertices} vertices, {found.mesh.faces} "
+                f"faces, not {self.plan.mesh.vertices} and {self.plan.mesh.faces} of the same shape); "
+                "choose another folder or delete this one"
+            )
+        if resume and found.mesh == self.plan.mesh:
+            raise InputError(
+                f"{self.folder}: was baked with other settings, so it cannot be resumed; bake without resume, "
+                "or choose another folder"
+            )
+
+    def _atomic(self, name: str, write_file: WriteFile, *, checksum: bool = False) -> str:
+        """Writes one file under its final name, whole or not at all; returns its SHA-256."""
+        final = self.folder / name
+        temporary = final.with_name(f"{TEMPORARY}{socket.gethostname()}-{os.getpid()}-{final.name}")
+        try:
+            write_file(temporary)
+            digest = sha256(temporary)
+            _sync(temporary)
+            if checksum:
+                self._atomic(name + CHECKSUM, lambda path: path.write_text(f"{digest}  {final.name}\n"))
+            temporary.replace(final)
+            _sync(final.parent)
+        except BaseException:
+            # Libraries that write through a temporary file of their own begin its name with ours.
+            for leftover in final.parent.glob(temporary.stem + "*"):
+                leftover.unlink(missing_ok=True)
+            raise
+        return digest
+
+    def _reopen(self) -> None:
+        """Turns a finished cache of this plan back into a bake in progress, so that no manifest covers a new sample."""
+        if not (self.folder / MANIFEST).exists():
+            return
+        for name, digest in self._checksums().items():
+            if name in self.names:
+                line = f"{digest}  {Path(name).name}\n"
+                self._atomic(name + CHECKSUM, lambda path, line=line: path.write_text(line))
+        self._atomic(PLAN, lambda path: path.write_text(text(self.plan), encoding="utf-8"))
+        (self.folder / MANIFEST).unlink()
+        _sync(self.folder)
+
+    def _checksums(self) -> dict[str, str]:
+        """The checksum each file should have: from the manifest, or from beside the sample."""
+        if (self.folder / MANIFEST).exists():
+            return dict(read_manifest(self.folder / MANIFEST).files)
+        sums = {}
+        for name in self.names:
+            with contextlib.suppress(OSError, IndexError):
+                sums[name] = (self.folder / (name + CHECKSUM)).read_text().split()[0]
+        return sums
+
+    def _whole(self) -> bool:
+        files = read_manifest(self.folder / MANIFEST).files
+        return all(self._intact(name, digest) for name, digest in files.items())
+
+    def _intact(self, name: str, digest: str | None) -> bool:
+        path = self.folder / name
+        return digest is not None and path.is_file() and sha256(path) == digest
+
+    def _clean(self) -> None:
+        """Removes what only a bake in progress needs."""
+        for name in self.names:
+            (self.folder / (name + CHECKSUM)).unlink(missing_ok=True)
+        (self.folder / PLAN).unlink(missing_ok=True)
+        _remove_temporary(self.folder, older_than=0.0)
+
+
+def delete_cache(folder: str | os.PathLike, *, keep_folders: bool = False) -> None:
+    """Deletes the files of a cache and nothing else: names that a bake gives, inside the folder, no links followed.
+
+    The manifest goes first, so that an interrupted deletion leaves no cache that claims to be whole.
+    """
+    folder = Path(folder)
+    with _disk_faults(folder):
+        for name in (MANIFEST, *SHARED):
+            (folder / name).unlink(missing_ok=True)
+        for path in _owned(folder):
+            path.unlink(missing_ok=True)
+        (folder / PLAN).unlink(missing_ok=True)
+        if not keep_folders:
+            for path in (folder / "samples", folder / "frames", folder):
+                with contextlib.suppress(OSError):
+                    path.rmdir()
+
+
+def _owned(folder: Path) -> Iterator[Path]:
+    """Samples, their checksums and temporary files."""
+    for parent in (folder, folder / "samples", folder / "frames"):
+        if (parent.is_symlink() and parent != folder) or not parent.is_dir():
+            continue
+        for path in sorted(parent.iterdir()):
+            name = path.relative_to(folder).as_posix().removesuffix(CHECKSUM)
+            if path.name.startswith(TEMPORARY) or NAME.fullmatch(name):
+                yield path
+
+
+def _remove_temporary(folder: Path, *, older_than: float) -> None:
+    for path in _owned(folder):
+        with contextlib.suppress(FileNotFoundError):
+            if path.name.startswith(TEMPORARY) and time.time() - path.stat().st_mtime >= older_than:
+                path.unlink()
+
+
+def _existing_plan(folder: Path) -> Plan | None:
+    for name, read in ((MANIFEST, lambda path: read_manifest(path).plan), (PLAN, read_plan)):
+        if (folder / name).exists():
+            return read(folder / name)
+    return None
+
+
+def sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _sync(path: Path) -> None:
+    """Makes a file, or the names in a folder, survive a power cut. Systems that cannot open folders keep names safe."""
+    if path.is_dir() and os.name == "nt":
+        return
+    handle = os.open(path, os.O_RDWR if path.is_file() else os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+@contextlib.contextmanager
+def _disk_faults(folder: Path) -> Iterator[None]:
+    """One clear line for what the disk refuses."""
+    try:
+        yield
+    except OSError as error:
+        where = error.filename or folder
+        match error.errno:
+            case errno.ENOSPC | errno.EDQUOT | errno.EFBIG:
+                cure = "free some space, then resume the bake: finished samples are kept"
+                raise InputError(f"{folder}: the disk is full; {cure}") from error
+            case errno.EACCES | errno.EPERM | errno.EROFS:
+                raise InputError(f"{where}: may not be written; choose a folder you can write to") from error
+            case errno.ENOTDIR | errno.EEXIST:
+                raise InputError(f"{where}: is a file, not a folder; choose another name") from error
+        raise InputError(f"{where}: {error.strerror or error}; choose another folder") from error
