@@ -1,0 +1,7 @@
+#include "bindings/bindings.h"
+
+namespace stormfield::bindings {
+
+void bind_topology(py::module_&) {}
+
+}  // namespace stormfield::bindings

@@ -1,0 +1,54 @@
+// What the binding files share: one bind_* function per folder of the core, and the objects that Python holds.
+//
+// Every handle is immutable after construction, so that methods may release the GIL.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "bindings/arrays.h"
+#include "field/parameterized_field.h"
+#include "mesh/closest_point.h"
+
+namespace stormfield::bindings {
+
+void bind_base(py::module_& m);
+void bind_mesh(py::module_& m);
+void bind_field(py::module_& m);
+void bind_topology(py::module_& m);
+void bind_design(py::module_& m);
+void bind_texture(py::module_& m);
+void bind_io(py::module_& m);
+
+/// Python's TriangleMesh: the mesh, its charts and, from the first query on, its tree for closest points.
+class MeshHandle {
+ public:
+  explicit MeshHandle(std::shared_ptr<const TriangleMesh> mesh);
+
+  const TriangleMesh& mesh() const { return charts_->mesh(); }
+  const std::shared_ptr<const VertexCharts>& charts() const { return charts_; }
+  const ClosestPointQuery& closestPoints() const;
+
+ private:
+  std::shared_ptr<const VertexCharts> charts_;
+  mutable std::once_flag built_;
+  mutable std::optional<ClosestPointQuery> query_;
+};
+
+/// Python's VectorField and ParameterizedField: with the mesh object they were made on.
+struct FieldHandle {
+  std::shared_ptr<MeshHandle> mesh;
+  VectorField field;
+};
+struct ParameterizedFieldHandle {
+  std::shared_ptr<MeshHandle> mesh;
+  ParameterizedField field;
+};
+
+/// Arrays faces (k,) int32 and barycentric (k, 3) float64 as checked surface points.
+std::vector<SurfacePoint> inputSurfacePoints(const TriangleMesh& mesh, const py::object& faces,
+                                             const py::object& barycentric);
+
+}  // namespace stormfield::bindings

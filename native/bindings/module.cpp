@@ -1,0 +1,12 @@
+// The Python module stormfield_native.
+#include "bindings/bindings.h"
+
+PYBIND11_MODULE(stormfield_native, m) {
+  using namespace stormfield::bindings;
+  m.doc() = "The compiled core of Stormfield. Lengths are mesh units, angles radians, vectors mesh units per second.";
+  m.attr("__version__") = STORMFIELD_VERSION;
+  bind_base(m);
+  bind_mesh(m);
+  bind_field(m);
+  bind_topology(m);
+}
