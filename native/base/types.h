@@ -4,7 +4,7 @@
 #include <complex>
 #include <cstdint>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace stormfield {
 
