@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node trees written as expressions.
+
+A ``Socket`` is the output of a node; arithmetic on it adds math nodes, so that the formula of a material reads
+like the formula in its comment. ``Tree`` wraps one node tree; ``arrange`` lays the nodes out in columns by their
+distance from the output, for whoever opens the material.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import bpy
+
+COLUMN, ROW = 190.0, 46.0  # spacing of the layout, in the node editor's pixels
+
+Operand: TypeAlias = "Socket | float | Sequence[float]"
+
+
+def srgb(hexadecimal: str) -> tuple[float, float, float, float]:
+    """'#rrggbb' as the scene-linear RGBA that nodes expect."""
+    parts = [int(hexadecimal[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+    return (linear[0], linear[1], linear[2], 1.0)
+
+
+class Socket:
+    """Output socket of a node, with arithmetic. Vectors and scalars are told apart by the socket's type."""
+
+    def __init__(self, tree: Tree, socket: bpy.types.NodeSocket):
+        self.tree, self.socket = tree, socket
+
+    def _binary(self, operation: str, other: Operand, swapped: bool = False) -> Socket:
+        a, b = (other, self) if swapped else (self, other)
+        vector = any(isinstance(s, Socket) and s.socket.type in {"VECTOR", "RGBA"} for s in (a, b))
+        return self.tree.vector(operation, a, b) if vector else self.tree.math(operation, a, b)
+
+    def __add__(self, other: Operand) -> Socket:
+        return self._binary("ADD", other)
+
+    def __sub__(self, other: Operand) -> Socket:
+        return self._binary("SUBTRACT", other)
+
+    def __rtruediv__(self, other: Operand) -> Socket:
+        return self._binary("DIVIDE", other, swapped=True)
+
+    def __rsub__(self, other: Operand) -> Socket:
+        return self._binary("SUBTRACT", other, swapped=True)
+
+    def __mul__(self, other: Operand) -> Socket:
+        return self._binary("MULTIPLY", other)
+
+    def __truediv__(self, other: Operand) -> Socket:
+        return self._binary("DIVIDE", other)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __pow__(self, exponent: Operand) -> Socket:
+        return self.tree.math("POWER", self, exponent)
+
+    def scaled(self, factor: Operand) -> Socket:
+        """The vector times a scalar."""
+        return self.tree.vector("SCALE", self, scale=factor)
+
+    def clamped(self) -> Socket:
+        return self.tree.math("ADD", self, 0.0, clamp=True)
+
+    def ramp(self, low: float, high: float) -> Socket:
+        """0 below ``low``, 1 above ``high``, smooth between (also for low > high, then falling)."""
+        node = self.tree.node("ShaderNodeMapRange", interpolation_type="SMOOTHSTEP")
+        first, last = (0.0, 1.0) if low < high else (1.0, 0.0)
+        node.inputs["From Min"].default_value, node.inputs["From Max"].default_value = min(low, high), max(low, high)
+        node.inputs["To Min"].default_value, node.inputs["To Max"].default_value = first, last
+        self.tree.connect(self, node.inputs["Value"])
+        return Socket(self.tree, node.outputs["Result"])
+
+
+class Tree:
+    """One node tree under construction."""
+
+    def __init__(self, tree: bpy.types.NodeTree):
+        self.tree = tree
+
+    def node(self, kind: str, **settings: object) -> bpy.types.Node:
+        node = self.tree.nodes.new(kind)
+        for name, value in settings.items():
+            setattr(node, name, value)
+        return node
+
+    def connect(self, value: Operand, socket: bpy.types.NodeSocket) -> None:
+        if isinstance(value, Socket):
+            self.tree.links.new(value.socket, socket)
+        else:
+            socket.default_value = value
+
+    def math(self, operation: str, *operands: Operand, clamp: bool = False) -> Socket:
+        node = self.node("ShaderNodeMath", operation=operation, use_clamp=clamp)
+        for value, socket in zip(operands, node.inputs, strict=False):
+            self.connect(value, socket)
+        return Socket(self, node.outputs[0])
+
+    def vector(self, operation: str, *operands: Operand, scale: Operand | None = None) -> Socket:
+        node = self.node("ShaderNodeVectorMath", operation=operation)
+        for value, socket in zip(operands, node.inputs, strict=False):
+            is_scalar = isinstance(value, int | float)
+            self.connect((value,) * 3 if is_scalar else value, socket)
+        if scale is not None:
+            self.connect(scale, node.inputs["Scale"])
+        scalar_result = operation in {"LENGTH", "DISTANCE", "DOT_PRODUCT"}
+        return Socket(self, node.outputs["Value" if scalar_result else "Vector"])
+
+    def combine(self, x: Operand, y: Operand, z: Operand) -> Socket:
+        node = self.node("ShaderNodeCombineXYZ")
+        for value, socket in zip((x, y, z), node.inputs, strict=True):
+            self.connect(value, socket)
+        return Socket(self, node.outputs[0])
+
+    def component(self, value: Socket, axis: str) -> Socket:
+        node = self.node("ShaderNodeSeparateXYZ")
+        self.connect(value, node.inputs[0])
+        return Socket(self, node.outputs[axis])
+
+    def attribute(self, name: str, output: str) -> Socket:
+        """Attribute of the mesh: ``output`` is 'Vector' or 'Fac'."""
+        node = self.node("ShaderNodeAttribute", attribute_type="GEOMETRY", attribute_name=name, label=name)
+        return Socket(self, node.outputs[output])
+
+    def noise(
+        self,
+        coordinate: Socket,
+        scale: Operand,
+        detail: Operand = 2.0,
+        roughness: Operand = 0.5,
+        distortion: Operand | None = None,
+    ) -> Socket:
+        """fBm in [0, 1] with mean 0.5, of a vector or of one number."""
+        solid = coordinate.socket.type == "VECTOR"
+        node = self.node("ShaderNodeTexNoise", noise_dimensions="3D" if solid else "1D", normalize=True)
+        self.connect(coordinate, node.inputs["Vector" if solid else "W"])
+        for name, value in (("Scale", scale), ("Detail", detail), ("Roughness", roughness)):
+            self.connect(value, node.inputs[name])
+        if distortion is not None:
+            self.connect(distortion, node.inputs["Distortion"])
+        return Socket(self, node.outputs[0])
+
+    def noise_color(self, coordinate: Socket, scale: Operand, detail: Operand = 0.0) -> Socket:
+        """Three independent noises as one vector."""
+        node = self.node("ShaderNodeTexNoise", noise_dimensions="3D", normalize=True)
+        for name, value in (("Vector", coordinate), ("Scale", scale), ("Detail", detail)):
+            self.connect(value, node.inputs[name])
+        return Socket(self, node.outputs[1])
+
+    def phasor(
+        self, coordinate: Socket, scale: Operand, frequency: Operand, direction: Socket, weight: Operand
+    ) -> tuple[Socket, Socket]:
+        """Real and imaginary part of weighted phasor noise whose waves run along ``direction``."""
+        node = self.node("ShaderNodeTexGabor", gabor_type="3D")
+        inputs = ("Vector", "Scale", "Frequency", "Anisotropy")
+        for name, value in zip(inputs, (coordinate, scale, frequency, 1.0), strict=True):
+            self.connect(value, node.inputs[name])
+        self.connect(direction, next(s for s in node.inputs if s.identifier == "Orientation 3D"))
+        turn = Socket(self, node.outputs["Phase"]) * math.tau
+        radius = Socket(self, node.outputs["Intensity"]) * weight
+        return self.math("COSINE", turn) * radius, self.math("SINE", turn) * radius
+
+    def object_normal(self) -> Socket:
+        """The smooth normal in the space of the mesh, as the fields are."""
+        world = Socket(self, self.node("ShaderNodeNewGeometry").outputs["Normal"])
+        turn = self.node("ShaderNodeVectorTransform", vector_type="NORMAL", convert_from="WORLD", convert_to="OBJECT")
+        self.connect(world, turn.inputs[0])
+        return Socket(self, turn.outputs[0])
+
+    def mix(self, factor: Operand, a: Operand, b: Operand, blend: str = "MIX") -> Socket:
+        """Colours a and b mixed by the factor."""
+        node = self.node("ShaderNodeMix", data_type="RGBA", blend_type=blend, clamp_factor=True)
+        of_type = {s.identifier: s for s in node.inputs}
+        for value, name in ((factor, "Factor_Float"), (a, "A_Color"), (b, "B_Color")):
+            self.connect(value, of_type[name])
+        return Socket(self, next(s for s in node.outputs if s.identifier == "Result_Color"))
+
+    def color_ramp(self, value: Socket, stops: Sequence[tuple[float, str]], interpolation: str = "EASE") -> Socket:
+        node = self.node("ShaderNodeValToRGB")
+        ramp = node.color_ramp
+        ramp.interpolation = interpolation
+        while len(ramp.elements) < len(stops):
+            ramp.elements.new(1.0)
+        for element, (position, color) in zip(ramp.elements, stops, strict=True):
+            element.position, element.color = position, srgb(color)
+        self.connect(value, node.inputs[0])
+        return Socket(self, node.outputs["Color"])
+
+    def group(self, group: bpy.types.NodeTree, **inputs: Operand) -> dict[str, Socket]:
+        """A node group as a node; keyword 'band_scale' sets the input 'Band Scale'. Returns its outputs by name."""
+        node = self.node("ShaderNodeGroup", node_tree=group)
+        for name, value in inputs.items():
+            self.connect(value, node.inputs[name.replace("_", " ").title()])
+        return {s.name: Socket(self, s) for s in node.outputs}
+
+    def principled(self, **inputs: Operand) -> bpy.types.Node:
+        node = self.node("ShaderNodeBsdfPrincipled")
+        for name, value in inputs.items():
+            self.connect(value, node.inputs[name.replace("_", " ").title()])
+        return node
+
+    def bump(self, height: Socket, surface: bpy.types.Node, distance: Operand) -> None:
+        """Relief of that height, in units of length, on the surface."""
+        node = self.node("ShaderNodeBump")
+        self.connect(height, node.inputs["Height"])
+        self.connect(distance, node.inputs["Distance"])
+        self.tree.links.new(node.outputs["Normal"], surface.inputs["Normal"])
+
+    def surface(self, shader: bpy.types.Node) -> None:
+        """The end of a material."""
+        output = self.node("ShaderNodeOutputMaterial")
+        self.tree.links.new(shader.outputs[0], output.inputs["Surface"])
+        self.arrange()
+
+    def arrange(self) -> None:
+        """Columns by distance from the outputs; inside a column the nodes keep the order of their making."""
+        depth: dict[bpy.types.Node, int] = {}
+        for node in reversed(self.tree.nodes[:]):  # makers come before users
+            users = [link.to_node for socket in node.outputs for link in socket.links]
+            depth[node] = 1 + max((depth.get(user, 0) for user in users), default=-1)
+        filled: dict[int, float] = {}
+        for node in self.tree.nodes:
+            y = filled.get(depth[node], 0.0)
+            node.location = (-COLUMN * depth[node], y)
+            visible = sum(1 for s in (*node.inputs, *node.outputs) if s.enabled and not s.hide)
+            filled[depth[node]] = y - ROW - 24.0 * visible
+
+
+def new_group(name: str) -> Tree:
+    """An empty shader node group of that name; an older one of the name is emptied and rebuilt, its users follow."""
+    group = bpy.data.node_groups.get(name) or bpy.data.node_groups.new(name, "ShaderNodeTree")
+    group.nodes.clear()
+    group.interface.clear()
+    return Tree(group)
+
+
+def add_input(
+    tree: Tree, name: str, default: float | Sequence[float], low: float = 0.0, high: float = 1.0, tip: str = ""
+) -> None:
+    """One input of a group: a float with limits, or a colour when the default has four parts."""
+    kind = "NodeSocketFloat" if isinstance(default, int | float) else "NodeSocketColor"
+    socket = tree.tree.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=tip)
+    socket.default_value = default
+    if kind == "NodeSocketFloat":
+        socket.min_value, socket.max_value = low, high
+
+
+def add_vector_input(tree: Tree, name: str) -> None:
+    tree.tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketVector")
+
+
+def group_inputs(tree: Tree) -> dict[str, Socket]:
+    node = tree.node("NodeGroupInput")
+    return {s.name: Socket(tree, s) for s in node.outputs if s.name}
+
+
+def set_outputs(tree: Tree, **outputs: Socket) -> None:
+    """Declare and connect the group's outputs; keyword 'weight_a' makes 'Weight A'."""
+    kinds = {"VALUE": "NodeSocketFloat", "VECTOR": "NodeSocketVector", "RGBA": "NodeSocketColor"}
+    kinds["SHADER"] = "NodeSocketShader"
+    names = {key: key.replace("_", " ").title() for key in outputs}
+    for key, value in outputs.items():
+        tree.tree.interface.new_socket(names[key], in_out="OUTPUT", socket_type=kinds[value.socket.type])
+    node = tree.node("NodeGroupOutput")
+    for key, value in outputs.items():
+        tree.connect(value, node.inputs[names[key]])
+    tree.arrange()
+
+
+def new_material(name: str) -> tuple[bpy.types.Material, Tree]:
+    material = bpy.data.materials.get(name) or bpy.data.materials.new(name)
+    material.use_nodes = True
+    material.node_tree.nodes.clear()
+    return material, Tree(material.node_tree)
