@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What scene presets are put together from: curves on the surface, elements, λ keys, camera and light."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import bpy
+from mathutils import Vector
+
+Point = Sequence[float]
+
+
+def element_collection(obj: bpy.types.Object) -> bpy.types.Collection:
+    """The collection of the curves that design the object's field: visible while working, never rendered."""
+    collection = bpy.data.collections.new(f"{obj.name} Elements")
+    bpy.context.scene.collection.children.link(collection)
+    collection.hide_render = True
+    return collection
+
+
+def curve_object(
+    name: str, points: Iterable[Point], collection: bpy.types.Collection, cyclic: bool = False
+) -> bpy.types.Object:
+    """A polyline as a curve object."""
+    curve = bpy.data.curves.new(name, "CURVE")
+    curve.dimensions = "3D"
+    corners = [(*point, 1.0) for point in points]
+    spline = curve.splines.new("POLY")
+    spline.points.add(len(corners) - 1)
+    for target, corner in zip(spline.points, corners, strict=True):
+        target.co = corner
+    spline.use_cyclic_u = cyclic
+    obj = bpy.data.objects.new(name, curve)
+    collection.objects.link(obj)
+    return obj
+
+
+def empty_object(name: str, place: Point, collection: bpy.types.Collection, size: float = 0.1) -> bpy.types.Object:
+    empty = bpy.data.objects.new(name, None)
+    empty.location, empty.empty_display_size = place, size
+    collection.objects.link(empty)
+    return empty
+
+
+def add_element(obj: bpy.types.Object, source: bpy.types.Object, **settings: object) -> None:
+    """One more design element on the object; the settings are those of ``ElementProperties``."""
+    element = obj.stormfield.elements.add()
+    element.name, element.source = source.name, source
+    for name, value in settings.items():
+        setattr(element, name, value)
+
+
+def key_lambda(obj: bpy.types.Object, first_frame: int, last_frame: int) -> None:
+    """λ runs evenly from 0 at the first frame to 1 at the last."""
+    for frame, lam in ((first_frame, 0.0), (last_frame, 1.0)):
+        obj.stormfield.lam = lam
+        obj.keyframe_insert("stormfield.lam", frame=frame)
+    from ..compat import find_fcurve
+
+    for key in find_fcurve(obj, "stormfield.lam").keyframe_points:
+        key.interpolation = "LINEAR"
+
+
+def look_at(obj: bpy.types.Object, target: Point) -> None:
+    obj.rotation_euler = (Vector(target) - obj.location).to_track_quat("-Z", "Y").to_euler()
+
+
+def add_camera(place: Point, target: Point, lens: float) -> bpy.types.Object:
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.data.lens = place, lens
+    look_at(camera, target)
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    return camera
+
+
+def add_sun(direction: Point, energy: float, color: Point = (1.0, 1.0, 1.0)) -> bpy.types.Object:
+    """Sunlight from that direction."""
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    sun.data.energy, sun.data.color, sun.data.angle = energy, color, 0.01
+    sun.location = Vector(direction) * 3.0
+    look_at(sun, (0.0, 0.0, 0.0))
+    bpy.context.scene.collection.objects.link(sun)
+    return sun
+
+
+def add_area_light(place: Point, power: float, size: float, color: Point = (1.0, 1.0, 1.0)) -> bpy.types.Object:
+    """A square light that looks at the origin; power in watts."""
+    light = bpy.data.objects.new("Area Light", bpy.data.lights.new("Area Light", "AREA"))
+    light.data.energy, light.data.size, light.data.color = power, size, color
+    light.location = place
+    look_at(light, (0.0, 0.0, 0.0))
+    bpy.context.scene.collection.objects.link(light)
+    return light
+
+
+def set_world(color: Point, strength: float = 1.0) -> None:
+    world = bpy.data.worlds.new("Stormfield World")
+    bpy.context.scene.world = world
+    if world.node_tree is None:  # before Blender 5 a world has no nodes until asked
+        world.use_nodes = True
+    background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Color"].default_value = (*color, 1.0)
+    background.inputs["Strength"].default_value = strength
+
+
+def set_cycles(samples: int, bounces: int = 0, denoise: bool = False) -> None:
+    """Cycles with a fixed number of samples. No bounces: direct light only, as for a body in space."""
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.render.use_persistent_data = True
+    cycles = scene.cycles
+    cycles.samples, cycles.max_bounces, cycles.use_denoising = samples, bounces, denoise
+    cycles.use_adaptive_sampling, cycles.seed = False, 0
+    cycles.pixel_filter_type = "BLACKMAN_HARRIS"

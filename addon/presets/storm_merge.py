@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two storms of a gas giant drift together and merge (thesis figure 11.8).
+
+The planet is a unit sphere that turns about z. Jets are streamlines along circles of latitude, all eastward but of
+different speed, so that the stream function falls from pole to pole and bands follow its level sets. The storms are
+counter-clockwise vortices (anticyclones of the south) on singularity paths: two that wind around each other and end at
+one point at λ = MERGE, and one that starts there and goes on. Angles in radians, speeds in radians per second.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import bpy
+
+from ..shading import build_material
+from . import parts
+
+MERGE = 0.6  # λ at which two storms become one
+
+
+@dataclass(frozen=True)
+class Jet:
+    latitude: float  # degrees
+    speed: float  # angular speed about the axis, radians per second; eastward
+    half_width: float = 0.05
+
+
+@dataclass(frozen=True)
+class Storm:
+    name: str
+    places: tuple[tuple[float, float], ...]  # (longitude, latitude) in degrees
+    lam: tuple[float, float]
+    turn: float  # angular speed of the core, radians per second
+    radius: float
+
+
+JETS = (
+    Jet(68, 0.10), Jet(52, 0.20), Jet(38, 0.08), Jet(24, 0.22), Jet(10, 0.10), Jet(0, 0.16), Jet(-4, 0.05),
+    Jet(-36, 0.24), Jet(-50, 0.08), Jet(-66, 0.16),
+)  # fmt: skip
+MEETING = (0.0, -20.0)
+
+
+def _approach(bearing: float, distance: float, turn: float, steps: int = 25) -> tuple[tuple[float, float], ...]:
+    """A way to the meeting place that starts at that bearing and distance (degrees) and winds by ``turn`` degrees."""
+    places = []
+    for step in range(steps):
+        s = step / (steps - 1)
+        rest, angle = distance * (1.0 - s), math.radians(bearing + turn * s * s)
+        latitude = MEETING[1] + rest * math.sin(angle)
+        places.append((MEETING[0] + rest * math.cos(angle) / math.cos(math.radians(latitude)), latitude))
+    return tuple(places)
+
+
+STORMS = (
+    Storm("Storm West", _approach(198.0, 19.0, 80.0), (0.0, MERGE), 2.6, 0.12),
+    Storm("Storm East", _approach(18.0, 19.0, 80.0), (0.0, MERGE), 2.8, 0.10),
+    Storm("Merged Storm", ((0.0, -20.0), (3.0, -20.0), (6.0, -20.5)), (MERGE, 1.0), 2.2, 0.14),
+)
+
+
+def on_sphere(longitude: float, latitude: float, radius: float = 1.0) -> tuple[float, float, float]:
+    lon, lat = math.radians(longitude), math.radians(latitude)
+    return (radius * math.cos(lat) * math.cos(lon), radius * math.cos(lat) * math.sin(lon), radius * math.sin(lat))
+
+
+def build_storm_merge(subdivisions: int = 7, frames: int = 96) -> bpy.types.Object:
+    """Add planet, elements, λ keys, material, camera, light and render settings to the scene; returns the planet.
+
+    ``subdivisions`` is that of Blender's icosphere: 7 makes 41 k vertices, 6 a quarter of that."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions, radius=1.0)
+    planet = bpy.context.object
+    planet.name = planet.data.name = "Gas Giant"
+    planet.data.shade_smooth()
+    _add_elements(planet)
+    settings = planet.stormfield
+    settings.enabled = True
+    settings.solve.samples, settings.solve.even_speed = 60, 0.0
+    settings.bake.period = 72
+    parts.key_lambda(planet, 1, frames)
+    planet.data.materials.append(build_material("storm_clouds"))
+    _add_stage(frames)
+    bpy.context.view_layer.objects.active = planet
+    return planet
+
+
+def _add_elements(planet: bpy.types.Object) -> None:
+    collection = parts.element_collection(planet)
+    size = math.sqrt(4.0 * math.pi)  # of the unit sphere: the unit of speeds is sizes per second
+    for jet in JETS:
+        circle = [on_sphere(longitude, jet.latitude) for longitude in range(0, 360, 4)]
+        source = parts.curve_object(f"Jet {jet.latitude:+d}°", circle, collection, cyclic=True)
+        speed = jet.speed * math.cos(math.radians(jet.latitude)) / size
+        parts.add_element(planet, source, type="streamline", strength=speed, radius=jet.half_width)
+    for storm in STORMS:
+        path = [on_sphere(*place) for place in storm.places]
+        source = parts.curve_object(storm.name, path, collection)
+        parts.add_element(
+            planet, source, type="singular", kind="vortex_ccw", lam_start=storm.lam[0], lam_end=storm.lam[1],
+            strength=storm.turn * storm.radius / size, radius=storm.radius,
+        )  # fmt: skip
+
+
+def _add_stage(frames: int) -> None:
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, frames
+    scene.render.fps = 24
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 960, 540, 100
+    scene.view_settings.view_transform = "Standard"
+    parts.set_cycles(samples=4)
+    parts.set_world((0.0005, 0.0007, 0.0012))
+    parts.add_sun(on_sphere(45.0, 12.0), energy=3.6, color=(1.0, 0.97, 0.92))
+    parts.add_camera(on_sphere(4.0, -22.0, 2.55), on_sphere(3.0, -14.0), lens=50.0)
