@@ -42,7 +42,7 @@ Eigen::Matrix2d FaceInterpolant::jacobian(Complex p) const {
     const double squaredRay = std::norm(ray);
     Complex value = carried[i];
     if (twist[i] != 0.0 && squaredRay > 0.0) {
-      value = turned(i, ray);
+      value = towards(i, ray);
       const Complex turning = b[i] * twist[i] / squaredRay * Complex(0.0, 1.0) * value;
       dx -= ray.imag() * turning;
       dy += ray.real() * turning;

@@ -35,9 +35,8 @@ struct FaceInterpolant {
   Complex evaluate(Complex point) const;
   /// d(vector)/d(point) in the flat frame, 1/s.
   Eigen::Matrix2d jacobian(Complex point) const;
-
- private:
-  Complex turned(int corner, Complex ray) const;
+  /// The corner's vector as carried along a ray that starts there (any length but 0).
+  Complex towards(int corner, Complex ray) const;
 };
 
 FaceInterpolant faceInterpolant(const VectorField& field, Index f);
@@ -57,8 +56,8 @@ inline Eigen::Vector3d FaceInterpolant::barycentric(Complex p) const {
   return {1.0 - b1 - b2, b1, b2};
 }
 
-/// u_i exp(i twist_i psi_i) for a ray from the corner.
-inline Complex FaceInterpolant::turned(int i, Complex ray) const {
+inline Complex FaceInterpolant::towards(int i, Complex ray) const {
+  if (twist[i] == 0.0) return carried[i];
   const Complex local = ray * std::conj(bisector[i]);
   const double angle = twist[i] * std::atan2(local.imag(), local.real());
   const double square = angle * angle;
@@ -74,7 +73,7 @@ inline Complex FaceInterpolant::turned(int i, Complex ray) const {
 inline Complex FaceInterpolant::evaluate(Complex p) const {
   const Eigen::Vector3d b = barycentric(p);
   Complex sum = 0.0;
-  for (int i = 0; i < 3; ++i) sum += b[i] * (twist[i] == 0.0 ? carried[i] : turned(i, p - corners[i]));
+  for (int i = 0; i < 3; ++i) sum += b[i] * towards(i, p - corners[i]);
   return sum;
 }
 

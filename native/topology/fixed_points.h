@@ -16,10 +16,10 @@ const char* name(FixedPointKind kind);
 struct FixedPoint {
   SurfacePoint point;
   Vec3 position = Vec3::Zero();
-  int index = 0;               ///< Poincare index
+  int index = 0;  ///< Poincare index
   FixedPointKind kind = FixedPointKind::Degenerate;
   Eigen::Matrix2d jacobian = Eigen::Matrix2d::Zero();  ///< in the face's flat frame, 1/s
-  double rotation = 0.0;       ///< curl at the point, 1/s: > 0 turns counter-clockwise seen from outside
+  double rotation = 0.0;  ///< curl at the point, 1/s: > 0 turns counter-clockwise seen from outside
 };
 
 struct FixedPointOptions {
@@ -27,8 +27,9 @@ struct FixedPointOptions {
   double relativeTolerance = 1e-3;
 };
 
-/// All faces with a Poincare index other than zero, in face order. The sum of the indices is the Euler characteristic
-/// on a closed mesh. Faces are searched in parallel; the result does not depend on the thread count.
+/// One for each face with a Poincare index other than zero, in face order; faces that share the zero of a vertex report
+/// it once. The sum of the indices is the Euler characteristic on a closed mesh. Faces are searched in parallel; the
+/// result does not depend on the thread count.
 std::vector<FixedPoint> findFixedPoints(const VectorField& field, const FixedPointOptions& options = {});
 
 }  // namespace stormfield

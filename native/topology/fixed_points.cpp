@@ -1,0 +1,100 @@
+#include "topology/fixed_points.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <unordered_map>
+
+#include "field/poincare_index.h"
+#include "topology/zero_search.h"
+
+namespace stormfield {
+namespace {
+
+FixedPointKind classify(const Eigen::Matrix2d& jacobian, int index, double tolerance) {
+  const double det = jacobian.determinant(), trace = jacobian.trace();
+  const double rotation = jacobian(1, 0) - jacobian(0, 1);
+  // The sign of the determinant is the index of a simple zero.
+  if (det * index <= 0.0 || std::abs(index) > 1) return FixedPointKind::Degenerate;
+  if (std::abs(det) < tolerance * tolerance * jacobian.squaredNorm()) return FixedPointKind::Degenerate;
+  if (det < 0.0) return FixedPointKind::Saddle;
+  if (std::abs(trace) < tolerance * std::abs(rotation)) return FixedPointKind::Center;
+  return trace > 0.0 ? FixedPointKind::Source : FixedPointKind::Sink;
+}
+
+FixedPoint locate(const VectorField& field, Index f, int index) {
+  const FaceInterpolant local = faceInterpolant(field, f);
+  FixedPoint result;
+  result.point = {f, findZero(local, index)};
+  result.position = position(field.mesh(), result.point);
+  result.index = index;
+  result.jacobian = local.jacobian(local.point(result.point.barycentric));
+  result.rotation = result.jacobian(1, 0) - result.jacobian(0, 1);
+  return result;
+}
+
+/// The vertex whose zero vector is this fixed point, or kNone.
+Index zeroVertex(const VectorField& field, const SurfacePoint& p) {
+  if (p.barycentric.maxCoeff() < 1.0) return kNone;
+  const Index v = nearestVertex(field.mesh(), p);
+  return field.values[v] == 0.0 ? v : kNone;
+}
+
+/// Several faces around a vertex share its zero: one fixed point with the sum of their indices, placed in the first
+/// face whose own index has the sum's sign (its Jacobian is then typical).
+std::vector<FixedPoint> mergedAtVertices(const VectorField& field, const std::vector<FixedPoint>& found) {
+  std::unordered_map<Index, int> sums;
+  for (const FixedPoint& p : found) {
+    const Index v = zeroVertex(field, p.point);
+    if (v != kNone) sums[v] += p.index;
+  }
+  std::vector<FixedPoint> result;
+  result.reserve(found.size());
+  for (const FixedPoint& p : found) {
+    const Index v = zeroVertex(field, p.point);
+    result.push_back(p);
+    if (v == kNone) continue;
+    int& sum = sums[v];
+    if (sum * p.index <= 0) {
+      result.pop_back();
+      continue;
+    }
+    result.back().index = sum;
+    sum = 0;
+  }
+  return result;
+}
+
+}  // namespace
+
+const char* name(FixedPointKind kind) {
+  switch (kind) {
+    case FixedPointKind::Source:
+      return "source";
+    case FixedPointKind::Sink:
+      return "sink";
+    case FixedPointKind::Saddle:
+      return "saddle";
+    case FixedPointKind::Center:
+      return "center";
+    case FixedPointKind::Degenerate:
+      break;
+  }
+  return "degenerate";
+}
+
+std::vector<FixedPoint> findFixedPoints(const VectorField& field, const FixedPointOptions& options) {
+  const std::vector<int> indices = poincareIndices(field);
+  std::vector<Index> faces;
+  for (Index f = 0; f < field.mesh().faceCount(); ++f) {
+    if (indices[f] != 0) faces.push_back(f);
+  }
+  std::vector<FixedPoint> found(faces.size());
+  tbb::parallel_for(std::size_t{0}, faces.size(),
+                    [&](std::size_t i) { found[i] = locate(field, faces[i], indices[faces[i]]); });
+  found = mergedAtVertices(field, found);
+  for (FixedPoint& p : found) p.kind = classify(p.jacobian, p.index, options.relativeTolerance);
+  return found;
+}
+
+}  // namespace stormfield
