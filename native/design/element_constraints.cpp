@@ -1,0 +1,134 @@
+#include "design/element_constraints.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "design/other_targets.h"
+#include "design/singular_targets.h"
+
+namespace stormfield {
+
+namespace {
+
+void throwContradiction(const std::vector<DesignElement>& elements, const Target& a, const Target& b, double lambda) {
+  throw InputError(describe(elements[a.element]) + " and " + describe(elements[b.element]) +
+                   " contradict each other at vertex " + std::to_string(a.vertex) + ", lambda " + shortNumber(lambda) +
+                   ": move one away, make a radius smaller, or let them act at different lambda");
+}
+
+/// Cores of elements that are not singular must not ask for vectors more than a right angle apart; singular elements
+/// have settled this among themselves. `group` holds the targets of one vertex.
+void checkContradiction(const std::vector<DesignElement>& elements, const Target* begin, const Target* end,
+                        double lambda) {
+  for (const Target* a = begin; a != end; ++a)
+    for (const Target* b = a + 1; b != end; ++b) {
+      const bool bothSingular =
+          elements[a->element].type == ElementType::Singular && elements[b->element].type == ElementType::Singular;
+      const bool oneDisplaces =
+          (a->cover > 0.0 || b->cover > 0.0) && !(elements[a->element].hard && elements[b->element].hard);
+      if (a->element == b->element || !a->core || !b->core || bothSingular || oneDisplaces) continue;
+      if ((a->value * std::conj(b->value)).real() < 0.0) throwContradiction(elements, *a, *b, lambda);
+    }
+}
+
+/// Targets of one sample, checked and reduced to constraints.
+class Sample {
+ public:
+  Sample(const std::vector<DesignElement>& elements, double lambda) : elements_(elements), lambda_(lambda) {}
+
+  std::vector<Target> reduce(std::vector<Target> targets) const {
+    std::stable_sort(targets.begin(), targets.end(),
+                     [](const Target& a, const Target& b) { return a.vertex < b.vertex; });
+    std::vector<Target> reduced;
+    for (auto begin = targets.begin(); begin != targets.end();) {
+      auto end = begin;
+      while (end != targets.end() && end->vertex == begin->vertex) ++end;
+      checkContradiction(elements_, &*begin, &*begin + (end - begin), lambda_);
+      reduceVertex(begin, end, reduced);
+      begin = end;
+    }
+    return reduced;
+  }
+
+ private:
+  using Iterator = std::vector<Target>::iterator;
+
+  void reduceVertex(Iterator begin, Iterator end, std::vector<Target>& reduced) const {
+    double cover = 0.0;
+    for (Iterator t = begin; t != end; ++t) cover = std::max(cover, t->cover);
+    Target hard;
+    for (Iterator t = begin; t != end; ++t) {
+      const bool displaced = elements_[t->element].type != ElementType::Singular;
+      if (displaced) t->weight *= (1.0 - std::min(cover, 1.0)) * (1.0 - std::min(cover, 1.0));
+      if (!(t->weight > 0.0)) continue;
+      if (!elements_[t->element].hard || !t->core) continue;
+      hard.vertex = t->vertex;
+      hard.element = hard.element == kNone ? t->element : hard.element;
+      hard.value += t->weight * t->value;
+      hard.weight += t->weight;
+    }
+    if (hard.weight > 0.0) {
+      hard.value /= hard.weight;
+      hard.weight = std::numeric_limits<double>::infinity();
+      reduced.push_back(hard);
+      return;
+    }
+    for (Iterator t = begin; t != end; ++t)
+      if (t->weight > 0.0) reduced.push_back(*t);
+  }
+
+  const std::vector<DesignElement>& elements_;
+  double lambda_;
+};
+
+}  // namespace
+
+std::vector<double> lambdaSamples(Index samples) {
+  std::vector<double> lambdas(static_cast<std::size_t>(samples));
+  for (Index j = 0; j < samples; ++j) lambdas[j] = samples > 1 ? static_cast<double>(j) / (samples - 1) : 0.0;
+  return lambdas;
+}
+
+ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& charts,
+                                 const std::vector<DesignElement>& given, const ElementOptions& options,
+                                 const Progress& progress) {
+  checkElements(given);
+  if (options.samples < 1)
+    throw InputError("the design has " + std::to_string(options.samples) + " samples: give at least 1");
+  const TriangleMesh& mesh = charts->mesh();
+  const std::vector<Junction> junctions = findJunctions(given, mesh.meanEdgeLength());
+  const std::vector<DesignElement> elements = joinedEnds(given, junctions);
+  const ClosestPointQuery query(charts->meshPointer());
+  tbb::enumerable_thread_specific<LogMapScratch> scratch([&] { return LogMapScratch(mesh); });
+
+  const SingularTargets singular(*charts, query, elements, junctions, options.stiffness);
+  std::vector<OtherTargets> others;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    if (elements[i].type != ElementType::Singular)
+      others.emplace_back(*charts, query, elements[i], static_cast<Index>(i), options.stiffness,
+                          options.lambdaPerSecond, scratch.local());
+
+  const std::vector<double> lambdas = lambdaSamples(options.samples);
+  const double step = options.samples > 1 ? lambdas[1] : 1.0;
+  std::vector<std::vector<Target>> targets(lambdas.size());
+  tbb::parallel_for(std::size_t{0}, lambdas.size(), [&](std::size_t j) {
+    progress.check();
+    std::vector<Target> sample;
+    singular.addAt(lambdas[j], step, scratch.local(), sample);
+    for (const OtherTargets& other : others) other.addAt(lambdas[j], step, scratch.local(), sample);
+    targets[j] = Sample(elements, lambdas[j]).reduce(std::move(sample));
+  });
+
+  ConstraintSet set;
+  for (const DesignElement& element : elements) set.elementNames.push_back(element.name);
+  for (std::size_t j = 0; j < targets.size(); ++j)
+    for (const Target& t : targets[j]) set.add(t.vertex, static_cast<Index>(j), t.value, t.weight, t.element);
+  return set;
+}
+
+}  // namespace stormfield

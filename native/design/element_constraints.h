@@ -1,0 +1,40 @@
+// From design elements to the constraints of the space-time solve (thesis 5.2.2, 11.1.3).
+//
+//   ConstraintSet constraints = elementConstraints(charts, elements, {.samples = 100});
+//   SpaceTimeResult result = SpaceTimeSolver(charts, ...).solve(constraints, progress);
+//
+// Samples lie evenly at lambda_j = j / (samples - 1). Every element acts on a region of its radius with soft weights
+// that are densities over surface and lambda, so that one design gives one field at every resolution. Singular elements
+// displace curves and arrows inside their discs; elements of other types blend where their rims overlap.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/progress.h"
+#include "design/constraint.h"
+#include "design/element.h"
+#include "mesh/vertex_charts.h"
+
+namespace stormfield {
+
+struct ElementOptions {
+  Index samples = 100;
+  /// s in d lambda = s dt, 1/s: turns the speed of pathlines along lambda into mesh units per second.
+  double lambdaPerSecond = 1.0;
+  /// Weight in the middle of a region, in units of 1 / radius^2 (lengths relative to the mesh size): the solved field
+  /// gives way to its surroundings over radius / sqrt(stiffness).
+  double stiffness = 1e4;
+};
+
+/// Evenly spaced samples of lambda in 0..1; a single one lies at 0.
+std::vector<double> lambdaSamples(Index samples);
+
+/// Sorted by sample, then vertex; the same for any number of threads. Throws InputError as checkElements does, when a
+/// point lies off the surface, when storms meet in a way that cannot be joined, and when the cores of two elements ask
+/// for contradicting vectors at one vertex and lambda (names both); Cancelled through progress.
+ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& charts,
+                                 const std::vector<DesignElement>& elements, const ElementOptions& options,
+                                 const Progress& progress = {});
+
+}  // namespace stormfield

@@ -1,0 +1,55 @@
+// The logarithmic map: geodesic polar coordinates around a point of the surface.
+//
+// A vertex v within the radius gets its distance from the source, the angle at which the geodesic to it leaves
+// (in the flat frame of the source's face), and the direction in which it arrives, a unit number in the chart of v.
+// A field W(z) given in the tangent plane of the source, z = distance exp(i angle), becomes at v
+//     V = W(z) * frame,   frame = arrival exp(-i angle),
+// which carries W along the geodesic. The arrival direction agrees with the interpolation inside faces (thesis 2.5), so
+// that V = f(distance) * arrival has its zero in the source's own face.
+//
+// Distances travel from face to face by unfolding (the source's mirror image in the plane of the next face), in the
+// order of distance as in Dijkstra's algorithm: the map follows the connectivity and never jumps over gaps or through
+// thin parts. Behind the cut locus each vertex keeps its shortest way.
+#pragma once
+
+#include <vector>
+
+#include "mesh/surface_point.h"
+#include "mesh/vertex_charts.h"
+
+namespace stormfield {
+
+struct LogMapEntry {
+  Index vertex = kNone;
+  double distance = 0.0;  ///< mesh units
+  double angle = 0.0;     ///< radians, in the flat frame of the source's face
+  Complex arrival;        ///< unit, in the chart of the vertex
+
+  Complex frame() const { return arrival * std::polar(1.0, -angle); }
+};
+
+struct LogMap {
+  SurfacePoint source;
+  std::vector<LogMapEntry> entries;  ///< by vertex
+
+  /// Entry of a vertex, or null when it was not reached.
+  const LogMapEntry* find(Index vertex) const;
+  /// Distance to a point, or infinity when its face was not reached.
+  double distance(const TriangleMesh& mesh, const SurfacePoint& p) const;
+};
+
+/// Arrays of one number per vertex that many maps share; one per thread.
+class LogMapScratch {
+ public:
+  explicit LogMapScratch(const TriangleMesh& mesh);
+
+ private:
+  friend LogMap logMap(const VertexCharts&, const SurfacePoint&, double, LogMapScratch&);
+  std::vector<LogMapEntry> state_;
+  std::vector<char> finished_;
+};
+
+/// All vertices closer than the radius, and always the corners of the source's face.
+LogMap logMap(const VertexCharts& charts, const SurfacePoint& source, double radius, LogMapScratch& scratch);
+
+}  // namespace stormfield

@@ -1,0 +1,50 @@
+// Where and when an element acts: a density that falls smoothly to zero at the rim of its region and at its ends in
+// lambda, so that nothing flickers when vertices or samples enter and leave, and refinement converges (thesis 5.2.2).
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "base/types.h"
+
+namespace stormfield {
+
+/// Part of the radius inside which an element's word counts: contradictions are looked for there, `hard` acts there.
+inline constexpr double kCore = 1.0 / 3.0;
+
+/// (1 - t^2)^2 inside the unit disc, t = distance / radius.
+inline double falloff(double t) {
+  return t < 1.0 ? (1.0 - t * t) * (1.0 - t * t) : 0.0;
+}
+
+/// 0 for x <= 0, 1 for x >= 1, smooth between.
+inline double smoothStep(double x) {
+  const double c = std::clamp(x, 0.0, 1.0);
+  return c * c * (3.0 - 2.0 * c);
+}
+
+/// The part of a sample's cell [lambda - step/2, lambda + step/2] on which an element acts.
+struct LambdaSpan {
+  double start = 0.0, end = 1.0;
+  double fade = 0.015;  ///< width of the smooth ends outside of start..end
+  /// A joined end hands over to another element at exactly that lambda: no fade, and the sample that lies on it belongs
+  /// to the one side that owns it.
+  bool startJoined = false, endJoined = false;
+  bool ownsStart = true, ownsEnd = true;
+
+  double share(double lambda, double step) const;
+  /// Inside start..end, joined ends observed.
+  bool contains(double lambda) const;
+};
+
+/// What an element asks for at one vertex of one sample.
+struct Target {
+  Index vertex = kNone;
+  Complex value;        ///< in the chart of the vertex, mesh units per second
+  double weight = 0.0;  ///< density of the soft constraint, infinite when hard
+  double cover = 0.0;   ///< how far a singular element claims the vertex, 0..1
+  bool core = false;
+  Index element = kNone;
+};
+
+}  // namespace stormfield
