@@ -59,16 +59,21 @@ bool unfold(const VertexCharts& charts, Index h, const LogMapEntry& tail, const 
   return true;
 }
 
-/// Reaches the head of h (its tail when not forward) along the edge alone: the way in shadows and past obtuse corners.
+/// Reaches the head of h (its tail when not forward) along the edge alone, past obtuse corners and into shadows: the
+/// vector from the source, transported, plus the edge. In a shadow that vector cuts corners, but distances never shrink
+/// along the way; where a line through the faces exists as well, the small price on edges lets it win.
 bool followEdge(const VertexCharts& charts, Index h, bool forward, const LogMapEntry& from, LogMapEntry& target) {
+  constexpr double kPrice = 0.01;
   const double length = charts.mesh().edgeLength(charts.mesh().edge(h));
-  if (from.distance + length >= target.distance) return false;
-  const Complex carry = forward ? charts.transport(h) : std::conj(charts.transport(h));
+  if (from.distance + kPrice * length >= target.distance) return false;
+  const Complex carried = (forward ? charts.transport(h) : std::conj(charts.transport(h))) * from.arrival;
   const Complex along = forward ? std::polar(1.0, charts.headAngle(h)) : -std::polar(1.0, charts.tailAngle(h));
-  const Complex arrival = from.distance * carry * from.arrival + length * along;
-  target.distance = from.distance + length;
-  target.angle = from.angle;
-  target.arrival = std::abs(arrival) > 0.0 ? arrival / std::abs(arrival) : along;
+  const Complex away = from.distance * carried + length * along;
+  const double distance = std::max(std::abs(away), from.distance) + kPrice * length;
+  if (distance >= target.distance || std::abs(away) == 0.0) return false;
+  target.distance = distance;
+  target.angle = from.angle + std::arg(away / carried);
+  target.arrival = away / std::abs(away);
   return true;
 }
 
