@@ -2,6 +2,14 @@
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(TBB REQUIRED)
 find_package(OpenImageIO REQUIRED)
+# Debian's OpenImageIO names the headers of OpenCV, which nothing here needs and its package does not bring.
+foreach(property INTERFACE_INCLUDE_DIRECTORIES INTERFACE_SYSTEM_INCLUDE_DIRECTORIES)
+  get_target_property(directories OpenImageIO::OpenImageIO ${property})
+  if(directories)
+    list(FILTER directories EXCLUDE REGEX opencv)
+    set_target_properties(OpenImageIO::OpenImageIO PROPERTIES ${property} "${directories}")
+  endif()
+endforeach()
 
 # OpenVDB ships a find module only, and it wants to be told where.
 find_path(OPENVDB_CMAKE_DIR FindOpenVDB.cmake PATH_SUFFIXES cmake/OpenVDB PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE})
