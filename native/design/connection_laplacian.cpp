@@ -1,0 +1,101 @@
+#include "design/connection_laplacian.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace stormfield {
+namespace {
+
+/// Slivers would give weights that drown all others.
+constexpr double kLargestWeight = 1e4;
+/// Weights of right angles that rounding makes a little positive.
+constexpr double kSmallestWeight = 1e-12;
+
+double oppositeCotangent(const TriangleMesh& mesh, Index h) {
+  return 1.0 / std::tan(mesh.cornerAngle(TriangleMesh::prev(h)));
+}
+
+std::vector<double> edgeWeights(const TriangleMesh& mesh) {
+  std::vector<double> weights(mesh.edgeCount());
+  for (Index e = 0; e < mesh.edgeCount(); ++e) {
+    const Index h = mesh.edgeHalfedge(e);
+    double w = oppositeCotangent(mesh, h);
+    if (mesh.twin(h) != kNone) w += oppositeCotangent(mesh, mesh.twin(h));
+    w *= 0.5;
+    weights[e] = w < kSmallestWeight ? 0.0 : std::min(w, kLargestWeight);
+  }
+  return weights;
+}
+
+/// Bits of x spread to every third place.
+std::uint64_t spread(std::uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+/// Used vertices along a Morton curve.
+std::vector<Index> mortonOrder(const TriangleMesh& mesh) {
+  const Eigen::RowVector3d low = mesh.points().colwise().minCoeff();
+  const double extent = (mesh.points().colwise().maxCoeff() - low).maxCoeff();
+  const double scale = extent > 0.0 ? 2097151.0 / extent : 0.0;
+  std::vector<std::pair<std::uint64_t, Index>> codes;
+  codes.reserve(mesh.vertexCount());
+  for (Index v = 0; v < mesh.vertexCount(); ++v) {
+    if (mesh.outgoing(v) == kNone) continue;
+    std::uint64_t code = 0;
+    for (int k = 0; k < 3; ++k) {
+      code |= spread(static_cast<std::uint64_t>((mesh.points()(v, k) - low[k]) * scale)) << k;
+    }
+    codes.emplace_back(code, v);
+  }
+  std::sort(codes.begin(), codes.end());
+  std::vector<Index> order;
+  order.reserve(codes.size());
+  for (const auto& [code, v] : codes) order.push_back(v);
+  return order;
+}
+
+}  // namespace
+
+ConnectionLaplacian connectionLaplacian(const VertexCharts& charts) {
+  const TriangleMesh& mesh = charts.mesh();
+  const std::vector<double> weights = edgeWeights(mesh);
+  ConnectionLaplacian result;
+  result.vertex = mortonOrder(mesh);
+  std::vector<Index> rowOf(mesh.vertexCount(), kNone);
+  for (std::size_t i = 0; i < result.vertex.size(); ++i) rowOf[result.vertex[i]] = static_cast<Index>(i);
+
+  SurfaceMatrix& matrix = result.matrix;
+  std::vector<std::pair<Index, Complex>> row;
+  for (const Index v : result.vertex) {
+    row.clear();
+    double diagonal = 0.0;
+    auto couple = [&](Index neighbour, Index edge, Complex carry) {
+      if (weights[edge] == 0.0) return;
+      row.emplace_back(rowOf[neighbour], -weights[edge] * carry);
+      diagonal += weights[edge];
+    };
+    for (Index h = mesh.outgoing(v); h != kNone; h = mesh.nextOutgoing(h)) {
+      couple(mesh.head(h), mesh.edge(h), std::conj(charts.transport(h)));
+      // The last edge of a boundary fan has no outgoing halfedge of its own.
+      const Index incoming = TriangleMesh::prev(h);
+      if (mesh.twin(incoming) == kNone) couple(mesh.tail(incoming), mesh.edge(incoming), charts.transport(incoming));
+    }
+    std::sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [column, value] : row) {
+      matrix.column.push_back(column);
+      matrix.value.push_back(value);
+    }
+    matrix.start.push_back(matrix.column.size());
+    matrix.diagonal.push_back(diagonal);
+    matrix.mass.push_back(mesh.vertexArea(v) / mesh.totalArea());
+  }
+  return result;
+}
+
+}  // namespace stormfield

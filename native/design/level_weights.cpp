@@ -1,0 +1,116 @@
+#include "design/level_weights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+namespace stormfield {
+namespace {
+
+constexpr Index kBlock = 256;
+
+/// Pivots below this part of the diagonal are zero: a line without constraint on a surface without curvature.
+constexpr double kSmallestPivot = 1e-12;
+
+double guardedInverse(double pivot, double diagonal) {
+  return pivot > kSmallestPivot * diagonal && std::isfinite(diagonal) ? 1.0 / pivot : 0.0;
+}
+
+}  // namespace
+
+LevelWeights finestWeights(const ConstraintRows& constraints) {
+  LevelWeights result;
+  result.start = constraints.start;
+  result.entries.reserve(constraints.entries.size());
+  for (const ConstraintRows::Entry& entry : constraints.entries) result.entries.push_back({entry.sample, entry.weight});
+  return result;
+}
+
+LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, const LambdaGrid& to) {
+  const Index rows = static_cast<Index>(from.restriction.start.size()) - 1;
+  const Index fineSamples = from.lambda.samples();
+  const bool halved = to.samples() != fineSamples;
+  std::vector<LevelWeights> parts((rows + kBlock - 1) / kBlock);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    std::vector<double> line(to.samples(), 0.0);
+    const Index first = static_cast<Index>(part) * kBlock;
+    for (Index row = first; row < std::min(rows, first + kBlock); ++row) {
+      bool any = false;
+      for (const kernels::Coupling* c = from.restriction.begin(row); c != from.restriction.end(row); ++c) {
+        const double share = std::hypot(c->re, c->im);
+        for (std::size_t k = fine.start[c->column]; k < fine.start[c->column + 1]; ++k) {
+          const auto [j, weight] = fine.entries[k];
+          const double w = share * (std::isinf(weight) ? from.diagonal[c->column] * from.lambda.mass[j] +
+                                                             2.0 * from.lambdaCoupling[c->column]
+                                                       : weight);
+          any = true;
+          if (!halved) {
+            line[j] += w;
+          } else if (j % 2 == 0 || j + 1 == fineSamples) {
+            line[j / 2] += w;
+          } else {
+            line[j / 2] += 0.5 * w;
+            line[j / 2 + 1] += 0.5 * w;
+          }
+        }
+      }
+      if (any) {
+        for (Index j = 0; j < to.samples(); ++j) {
+          if (line[j] != 0.0) parts[part].entries.push_back({j, line[j]});
+          line[j] = 0.0;
+        }
+      }
+      parts[part].start.push_back(parts[part].entries.size());
+    }
+  });
+  LevelWeights result;
+  result.start.reserve(rows + 1);
+  for (const LevelWeights& part : parts) {
+    const std::size_t offset = result.entries.size();
+    result.entries.insert(result.entries.end(), part.entries.begin(), part.entries.end());
+    for (std::size_t k = 1; k < part.start.size(); ++k) result.start.push_back(offset + part.start[k]);
+  }
+  return result;
+}
+
+FieldBuffer inversePivots(const SurfaceLevel& level, const LevelWeights& weights) {
+  const LambdaGrid& lambda = level.lambda;
+  const Index samples = lambda.samples();
+  FieldBuffer inverse(static_cast<std::size_t>(level.rows()) * samples);
+  const Index blocks = (level.rows() + kBlock - 1) / kBlock;
+  tbb::parallel_for(Index{0}, blocks, [&](Index block) {
+    std::vector<double> pivot(samples);
+    for (Index i = block * kBlock; i < std::min(level.rows(), (block + 1) * kBlock); ++i) {
+      const double k = level.lambdaCoupling[i];
+      for (Index j = 0; j < samples; ++j) {
+        const double before = j > 0 ? lambda.coupling[j - 1] : 0.0;
+        const double after = j + 1 < samples ? lambda.coupling[j] : 0.0;
+        pivot[j] = static_cast<double>(level.diagonal[i]) * lambda.mass[j] + k * (before + after);
+      }
+      for (std::size_t e = weights.start[i]; e < weights.start[i + 1]; ++e) {
+        pivot[weights.entries[e].sample] += weights.entries[e].weight;
+      }
+      float* out = inverse.data() + static_cast<std::size_t>(i) * samples;
+      const Index middle = samples / 2;
+      double top = 0.0;
+      for (Index j = 0; j < middle; ++j) {
+        const double one = guardedInverse(pivot[j] - top, pivot[j]);
+        out[j] = static_cast<float>(one);
+        const double c = k * lambda.coupling[j];
+        top = c * c * one;
+      }
+      double bottom = 0.0;
+      for (Index j = samples - 1; j > middle; --j) {
+        const double one = guardedInverse(pivot[j] - bottom, pivot[j]);
+        out[j] = static_cast<float>(one);
+        const double c = k * lambda.coupling[j - 1];
+        bottom = c * c * one;
+      }
+      out[middle] = static_cast<float>(guardedInverse(pivot[middle] - top - bottom, pivot[middle]));
+    }
+  });
+  return inverse;
+}
+
+}  // namespace stormfield

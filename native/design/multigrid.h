@@ -1,0 +1,36 @@
+// One symmetric V-cycle of the space-time multigrid for one set of constraints: the preconditioner of the solve.
+//
+// Smoother: Gauss-Seidel over the vertices, each vertex's whole line of samples solved exactly, forward on the way down
+// (from zero) and backward on the way up. Hard constraints are rows of zeros; on coarser levels they, and soft ones,
+// are lumped weights.
+#pragma once
+
+#include "design/constraint_rows.h"
+#include "design/field_buffer.h"
+
+namespace stormfield {
+
+class Multigrid {
+ public:
+  Multigrid(const SurfaceHierarchy& hierarchy, const ConstraintRows& constraints, const Progress& progress);
+
+  /// z = M r for rows of the finest level; returns the inner product of r and z (float rows, double sum).
+  double apply(const float* r, float* z);
+  /// q = A p on the finest level, hard rows zero; returns the inner product of p and q.
+  double applyOperator(const float* p, float* q) const;
+
+ private:
+  struct LevelData {
+    FieldBuffer inverse;          ///< reciprocal pivots, samples per row
+    FieldBuffer x, b, residual;   ///< residual: of the rows here, restricted in lambda
+  };
+
+  void cycle(std::size_t level, const float* b, float* x, std::vector<double>* dots);
+
+  const SurfaceHierarchy& hierarchy_;
+  const ConstraintRows& constraints_;
+  const Progress& progress_;
+  std::vector<LevelData> data_;
+};
+
+}  // namespace stormfield

@@ -1,0 +1,218 @@
+#include "design/space_time_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+#include "base/message.h"
+#include "design/connection_laplacian.h"
+#include "design/multigrid.h"
+#include "design/row_algebra.h"
+#include "design/space_time_residual.h"
+
+namespace stormfield {
+namespace {
+
+/// One run in single precision gains at most about this; what is left goes through the residual in double precision.
+constexpr double kSinglePrecisionGain = 1e-5;
+/// Room for the difference between the residual that is carried along and the true one.
+constexpr double kSafety = 0.9;
+
+std::vector<double> uniformLambdas(Index samples) {
+  std::vector<double> lambdas(samples, 0.0);
+  for (Index j = 1; j < samples; ++j) lambdas[j] = static_cast<double>(j) / (samples - 1);
+  return lambdas;
+}
+
+void checkWarmStart(const ParameterizedField& field, const VertexCharts& charts, Index samples) {
+  if (field.charts->meshPointer() != charts.meshPointer() || field.sampleCount() != samples ||
+      field.values.size() != static_cast<std::size_t>(samples) * charts.mesh().vertexCount()) {
+    throw InputError(message("a warm start must be a field on the same mesh with ", samples, " samples of lambda"));
+  }
+  for (const Complex value : field.values) {
+    if (!std::isfinite(value.real()) || !std::isfinite(value.imag())) {
+      throw InputError("the warm start has values that are not finite: solve without it");
+    }
+  }
+}
+
+}  // namespace
+
+struct SpaceTimeSolver::System {
+  SurfaceHierarchy hierarchy;
+  SpaceTimeResidual residual;
+
+  static std::vector<Index> reordered(const std::vector<Index>& vertex, const std::vector<Index>& order) {
+    std::vector<Index> result;
+    result.reserve(order.size());
+    for (const Index i : order) result.push_back(vertex[i]);
+    return result;
+  }
+  System(const ConnectionLaplacian& laplacian, Index samples, double lambdaCoupling, Index meshVertices,
+         const Progress& progress)
+      : hierarchy(surfaceHierarchy(laplacian.matrix, samples, lambdaCoupling, progress)),
+        residual(hierarchy, lambdaCoupling, reordered(laplacian.vertex, hierarchy.finest.order), meshVertices) {}
+
+  std::size_t floats() const {
+    return static_cast<std::size_t>(hierarchy.matrix.rows()) * hierarchy.levels.front().lambda.stride();
+  }
+
+  /// Calls body(first float, last float, chunk) and adds up what it returns, in a fixed order.
+  template <typename Body>
+  double sumOverChunks(const Progress& progress, const Body& body) const {
+    const SweepOrder& sweep = hierarchy.finest;
+    const std::size_t stride = hierarchy.levels.front().lambda.stride();
+    std::vector<double> parts(sweep.chunks(), 0.0);
+    tbb::parallel_for(Index{0}, sweep.chunks(), [&](Index chunk) {
+      progress.check();
+      parts[chunk] = body(sweep.chunkStart[chunk] * stride, sweep.chunkStart[chunk + 1] * stride);
+    });
+    double sum = 0.0;
+    for (const double part : parts) sum += part;
+    return sum;
+  }
+
+  /// Conjugate gradients for A e = r until r, which is overwritten and has the length given, is as short as the target.
+  /// Returns the number of iterations.
+  int conjugateGradients(Multigrid& multigrid, float* r, float* e, double length, double target, int maxIterations,
+                         Progress& progress) const {
+    FieldBuffer p(floats());
+    FieldBuffer z(floats());
+    const double initial = length;
+    double rz = 0.0;
+    int iteration = 0;
+    while (length > target && iteration < maxIterations) {
+      const double previous = rz;
+      rz = multigrid.apply(r, z.data());
+      const float beta = iteration == 0 ? 0.0f : static_cast<float>(rz / previous);
+      const bool first = iteration == 0;
+      sumOverChunks(progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; k += 8) {
+          const kernels::Vector next = kernels::load(z.data() + k);
+          kernels::store(p.data() + k, first ? next : next + beta * kernels::load(p.data() + k));
+        }
+        return 0.0;
+      });
+      const double pq = multigrid.applyOperator(p.data(), z.data());
+      if (!(pq > 0.0)) break;
+      const float alpha = static_cast<float>(rz / pq);
+      const double square = sumOverChunks(progress, [&](std::size_t begin, std::size_t end) {
+        if (first) {
+          for (std::size_t k = begin; k < end; k += 8) kernels::store(e + k, alpha * kernels::load(p.data() + k));
+        } else {
+          kernels::addRow(alpha, p.data() + begin, e + begin, end - begin);
+        }
+        kernels::addRow(-alpha, z.data() + begin, r + begin, end - begin);
+        return kernels::dotRow(r + begin, r + begin, end - begin);
+      });
+      length = std::sqrt(square);
+      ++iteration;
+      progress.report(std::clamp(std::log(length / initial) / std::log(target / initial), 0.0, 1.0));
+    }
+    return iteration;
+  }
+};
+
+double SpaceTimeSolver::lambdaCoupling(const SpaceTimeOptions& options) {
+  const double perSample = 64.0 * (options.samples - 1) / 99.0;
+  return 4.0 * options.lambdaWeight * perSample * perSample;
+}
+
+SpaceTimeSolver::SpaceTimeSolver(std::shared_ptr<const VertexCharts> charts, SpaceTimeOptions options,
+                                 const Progress& progress)
+    : charts_(std::move(charts)), options_(options) {
+  if (options_.samples < 1) throw InputError(message("samples must be at least 1, not ", options_.samples));
+  if (!(options_.lambdaWeight > 0.0) || !std::isfinite(options_.lambdaWeight)) {
+    throw InputError(message("the lambda weight must be above zero, not ", options_.lambdaWeight));
+  }
+  if (!(options_.tolerance > 0.0) || options_.tolerance >= 1.0) {
+    throw InputError(message("the tolerance must be between 0 and 1, not ", options_.tolerance));
+  }
+  if (options_.maxIterations < 1) throw InputError("the solver needs at least one iteration");
+  system_ = std::make_unique<System>(connectionLaplacian(*charts_), options_.samples, lambdaCoupling(options_),
+                                     charts_->mesh().vertexCount(), progress);
+}
+
+SpaceTimeSolver::~SpaceTimeSolver() = default;
+SpaceTimeSolver::SpaceTimeSolver(SpaceTimeSolver&&) noexcept = default;
+
+SpaceTimeResult SpaceTimeSolver::solve(const ConstraintSet& constraints, Progress& progress,
+                                       const ParameterizedField* warmStart) const {
+  const System& system = *system_;
+  const TriangleMesh& mesh = charts_->mesh();
+  const Index samples = options_.samples;
+  if (warmStart) checkWarmStart(*warmStart, *charts_, samples);
+  progress.report(0.0);
+  const ConstraintRows rows =
+      constraintRows(constraints, system.residual.rowOf(), system.hierarchy.matrix.mass, samples);
+
+  SpaceTimeResult result;
+  result.field.charts = charts_;
+  result.field.lambdas = uniformLambdas(samples);
+  std::vector<char> constrained(mesh.componentCount(), 0);
+  for (const Index v : constraints.vertex) {
+    if (mesh.component(v) != kNone) constrained[mesh.component(v)] = 1;
+  }
+  for (Index c = 0; c < mesh.componentCount(); ++c) {
+    if (!constrained[c]) result.componentsWithoutConstraint.push_back(c);
+  }
+  std::vector<char> active;
+  for (const Index v : system.residual.vertexOf()) active.push_back(constrained[mesh.component(v)]);
+
+  SpaceTimeResidual::Field x;
+  const double rightSide = system.residual.evaluate(rows, active, x, nullptr, nullptr, 1.0, progress);
+  auto allocateField = [&] { result.field.values.resize(static_cast<std::size_t>(samples) * mesh.vertexCount()); };
+  if (rightSide == 0.0) {
+    // Every value asked for is zero, and so is the field.
+    allocateField();
+    return result;
+  }
+
+  if (warmStart) x.base = warmStart->values.data();
+  FieldBuffer r(system.floats());
+  double scale = rightSide;
+  result.residual = system.residual.evaluate(rows, active, x, nullptr, r.data(), scale, progress) / rightSide;
+  FieldBuffer e;
+  std::unique_ptr<Multigrid> multigrid;
+  for (int run = 0; result.residual > options_.tolerance || run == 0; ++run) {
+    const double before = result.residual;
+    if (before > options_.tolerance) {
+      if (!multigrid) {
+        e = FieldBuffer(system.floats());
+        multigrid = std::make_unique<Multigrid>(system.hierarchy, rows, progress);
+        x.correction = e.data();
+      }
+      const double unit = rightSide / scale;
+      const double target = std::max(kSafety * options_.tolerance, kSinglePrecisionGain * before);
+      result.iterations += system.conjugateGradients(*multigrid, r.data(), e.data(), before * unit, target * unit,
+                                                     options_.maxIterations - result.iterations, progress);
+    }
+    x.scale = scale;
+    if (run == 0) {
+      allocateField();
+      result.residual =
+          system.residual.evaluate(rows, active, x, result.field.values.data(), nullptr, 1.0, progress) / rightSide;
+      x.base = result.field.values.data();
+    } else {
+      system.residual.add(e.data(), scale, result.field.values.data(), progress);
+    }
+    if (run > 0 || result.residual > options_.tolerance) {
+      x.correction = nullptr;
+      scale = rightSide * std::max(result.residual, 1e-300);
+      result.residual =
+          system.residual.evaluate(rows, active, x, nullptr, r.data(), scale, progress) / rightSide;
+      x.correction = e.data();
+    }
+    if (result.residual > options_.tolerance &&
+        (result.residual > 0.5 * before || result.iterations >= options_.maxIterations)) {
+      throw SolverError(message("the solver stopped at the relative residual ", result.residual, " after ",
+                                result.iterations, " iterations, above the tolerance ", options_.tolerance,
+                                ": raise the tolerance or the smallest weights"));
+    }
+  }
+  progress.report(1.0);
+  return result;
+}
+
+}  // namespace stormfield

@@ -1,0 +1,70 @@
+// The field on mesh x lambda that meets the constraints and is as smooth as it can be (thesis 11.1.3.1, eq. 11.3).
+//
+// V_ij is the vector at vertex i in its chart at lambda_j = j / (samples - 1). The solution minimises
+//     sum_j sum_edges w_e |V_head,j - transport V_tail,j|^2  +  sum_i k_i sum_j |V_i,j+1 - V_i,j|^2
+//         + sum over soft constraints of weight A_i / A |V_ij - value|^2
+// with hard constraints met exactly; boundaries of the surface and the ends of lambda are natural. w_e are the weights
+// of connectionLaplacian, A_i the vertex areas and A the whole area (size^2).
+//
+// The coupling along lambda. Thesis eq. 11.3 weighs both neighbours in lambda with omega = 10 against spatial weights
+// that add up to 1. An energy that means the same at any resolution has k_i = c^2 (A_i / A) / dlambda^2. The two
+// agree at the thesis's own planar setting, a grid of 65 x 65 vertices on a square and 100 samples, where A_i / A =
+// 1 / 64^2, dlambda = 1 / 99 and the spatial weights add up to 4:
+//     c^2 = 4 omega 64^2 / 99^2,    k_i = 4 omega (64 (samples - 1) / 99)^2 A_i / A.
+//
+// Precondition of the solve: see ConstraintSet. Throws InputError without constraints and for bad ones (constraint_rows.h),
+// SolverError when the tolerance is out of reach, Cancelled.
+//
+//   SpaceTimeSolver solver(charts);
+//   Progress progress;
+//   SpaceTimeResult first = solver.solve(constraints, progress);
+//   SpaceTimeResult again = solver.solve(movedConstraints, progress, &first.field);
+#pragma once
+
+#include <memory>
+
+#include "base/progress.h"
+#include "design/constraint.h"
+#include "field/parameterized_field.h"
+
+namespace stormfield {
+
+struct SpaceTimeOptions {
+  Index samples = 100;        ///< of lambda in [0, 1]
+  double lambdaWeight = 10;   ///< omega of thesis eq. 11.3 at the thesis's setting
+  double tolerance = 1e-4;    ///< of the true residual, relative to the right-hand side
+  int maxIterations = 200;    ///< of the Krylov method
+};
+
+struct SpaceTimeResult {
+  ParameterizedField field;
+  int iterations = 0;
+  double residual = 0.0;  ///< true relative residual, in double precision
+  /// Components of the mesh without any constraint: their field is zero.
+  std::vector<Index> componentsWithoutConstraint;
+};
+
+class SpaceTimeSolver {
+ public:
+  /// Builds the hierarchy, which all solves share. Throws InputError for options out of range.
+  explicit SpaceTimeSolver(std::shared_ptr<const VertexCharts> charts, SpaceTimeOptions options = {},
+                           const Progress& progress = Progress());
+  ~SpaceTimeSolver();
+  SpaceTimeSolver(SpaceTimeSolver&&) noexcept;
+
+  /// warmStart: a field on the same mesh with as many samples; only the change is solved for.
+  SpaceTimeResult solve(const ConstraintSet& constraints, Progress& progress,
+                        const ParameterizedField* warmStart = nullptr) const;
+
+  const SpaceTimeOptions& options() const { return options_; }
+  /// k_i / (A_i / A) above.
+  static double lambdaCoupling(const SpaceTimeOptions& options);
+
+ private:
+  struct System;
+  std::shared_ptr<const VertexCharts> charts_;
+  SpaceTimeOptions options_;
+  std::unique_ptr<System> system_;
+};
+
+}  // namespace stormfield
