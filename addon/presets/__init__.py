@@ -1,8 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes that are ready to solve, bake and render."""
-
-from __future__ import annotations
-
-from .storm_merge import build_storm_merge
-
-__all__ = ["build_storm_merge"]
+"""Scenes that are ready to solve, bake and render. Each module has ``build(context, ...)``, which returns the mesh."""

@@ -55,9 +55,9 @@ def _approach(bearing: float, distance: float, turn: float, steps: int = 25) -> 
 
 
 STORMS = (
-    Storm("Storm West", _approach(198.0, 19.0, 80.0), (0.0, MERGE), 2.6, 0.12),
-    Storm("Storm East", _approach(18.0, 19.0, 80.0), (0.0, MERGE), 2.8, 0.10),
-    Storm("Merged Storm", ((0.0, -20.0), (3.0, -20.0), (6.0, -20.5)), (MERGE, 1.0), 2.2, 0.14),
+    Storm("Storm West", _approach(198.0, 17.0, 80.0), (0.0, MERGE), 3.0, 0.08),
+    Storm("Storm East", _approach(18.0, 17.0, 80.0), (0.0, MERGE), 3.2, 0.065),
+    Storm("Merged Storm", ((0.0, -20.0), (3.0, -20.0), (6.0, -20.5)), (MERGE, 1.0), 2.6, 0.095),
 )
 
 
@@ -66,28 +66,22 @@ def on_sphere(longitude: float, latitude: float, radius: float = 1.0) -> tuple[f
     return (radius * math.cos(lat) * math.cos(lon), radius * math.cos(lat) * math.sin(lon), radius * math.sin(lat))
 
 
-def build_storm_merge(subdivisions: int = 7, frames: int = 96) -> bpy.types.Object:
+def build(context: bpy.types.Context, subdivisions: int = 7, frames: int = 96) -> bpy.types.Object:
     """Add planet, elements, λ keys, material, camera, light and render settings to the scene; returns the planet.
 
     ``subdivisions`` is that of Blender's icosphere: 7 makes 41 k vertices, 6 a quarter of that."""
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions, radius=1.0)
-    planet = bpy.context.object
-    planet.name = planet.data.name = "Gas Giant"
-    planet.data.shade_smooth()
-    _add_elements(planet)
-    settings = planet.stormfield
-    settings.enabled = True
-    settings.solve.samples, settings.solve.even_speed = 60, 0.0
-    settings.bake.period = 72
-    parts.key_lambda(planet, 1, frames)
+    scene = context.scene
+    planet = parts.add_icosphere(scene, "Gas Giant", subdivisions)
+    _add_elements(scene, planet)
+    parts.add_field(planet, frames, samples=60, period=72, even_speed=0.0)
     planet.data.materials.append(build_material("storm_clouds"))
-    _add_stage(frames)
-    bpy.context.view_layer.objects.active = planet
+    _add_stage(scene, frames)
+    context.view_layer.objects.active = planet
     return planet
 
 
-def _add_elements(planet: bpy.types.Object) -> None:
-    collection = parts.element_collection(planet)
+def _add_elements(scene: bpy.types.Scene, planet: bpy.types.Object) -> None:
+    collection = parts.element_collection(scene, planet)
     size = math.sqrt(4.0 * math.pi)  # of the unit sphere: the unit of speeds is sizes per second
     for jet in JETS:
         circle = [on_sphere(longitude, jet.latitude) for longitude in range(0, 360, 4)]
@@ -103,13 +97,12 @@ def _add_elements(planet: bpy.types.Object) -> None:
         )  # fmt: skip
 
 
-def _add_stage(frames: int) -> None:
-    scene = bpy.context.scene
+def _add_stage(scene: bpy.types.Scene, frames: int) -> None:
     scene.frame_start, scene.frame_end = 1, frames
     scene.render.fps = 24
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 960, 540, 100
     scene.view_settings.view_transform = "Standard"
-    parts.set_cycles(samples=4)
-    parts.set_world((0.0005, 0.0007, 0.0012))
-    parts.add_sun(on_sphere(45.0, 12.0), energy=3.6, color=(1.0, 0.97, 0.92))
-    parts.add_camera(on_sphere(4.0, -22.0, 2.55), on_sphere(3.0, -14.0), lens=50.0)
+    parts.set_cycles(scene, samples=4)
+    parts.set_world(scene, (0.0005, 0.0007, 0.0012))
+    parts.add_sun(scene, on_sphere(45.0, 12.0), energy=3.6, color=(1.0, 0.97, 0.92))
+    parts.add_camera(scene, on_sphere(6.0, -24.0, 2.5), on_sphere(2.0, -16.0), lens=50.0)

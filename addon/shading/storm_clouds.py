@@ -56,7 +56,7 @@ def storm_clouds_group() -> bpy.types.NodeTree:
     add_input(tree, "Eddies", 7.0, 0, 100, "Frequency of the broad eddies, per unit of length")
     add_input(tree, "Filaments", 20.0, 0, 500, "Frequency of the filaments, per unit of length")
     add_input(tree, "Contrast", 0.75, 0, 2, "Brightness of the filaments")
-    add_input(tree, "Storm Rotation", 1.0, 0.001, 100, "Rotation (sf_rotation) of a storm's core")
+    add_input(tree, "Storm Rotation", 5.0, 0.001, 100, "Rotation (sf_rotation) of a storm's core")
     add_input(tree, "Storm Tint", 0.92, 0, 1, "How much the storms' cores take the storm colours")
     given = group_inputs(tree)
     carried = tree.group(advected_coordinates())
@@ -90,7 +90,7 @@ def storm_clouds_group() -> bpy.types.NodeTree:
     return tree.tree
 
 
-def storm_clouds(relief: float = 0.002, **settings: float) -> bpy.types.Material:
+def storm_clouds(relief: float = 0.0012, **settings: float) -> bpy.types.Material:
     """``relief``: height of the clouds in units of length (0: flat, and a third faster to render). The other settings
     are the inputs of the group in lower case: band_scale, band_offset, turbulence, eddies, filaments, …"""
     material, tree = new_material("Storm Clouds")
