@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/error.h"
+#include "design/pair_placement.h"
 
 namespace stormfield {
 
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-// A joined pair is kept apart by up to this many edge lengths on each side, to leave room for the saddle between.
-constexpr double kApartEdges = 0.95;
+// Pairs closer than this many edge lengths are placed with regard to the mesh.
+constexpr double kCloseEdges = 4.0;
 // Storms closer than this part of the smaller radius share one place.
 constexpr double kSamePlace = 0.1;
 
@@ -69,7 +71,7 @@ SingularTargets::SingularTargets(const VertexCharts& charts, const ClosestPointQ
       storms_[pair[side]].partner = pair[1 - side];
       storms_[pair[side]].single = junction.single();
     }
-    findApart(storms_[pair[0]], storms_[pair[1]], junction);
+    findAxis(storms_[pair[0]], storms_[pair[1]], junction);
   }
 }
 
@@ -93,25 +95,26 @@ SingularTargets::Storm SingularTargets::makeStorm(Index element, const std::vect
       span.ownsStart = !split;
     }
   }
-  return {element, std::move(path), span, kNone, kNone, 0.0};
+  return {element, std::move(path), span, kNone, kNone, Vec3::Zero()};
 }
 
-void SingularTargets::findApart(Storm& a, Storm& b, const Junction& junction) const {
+void SingularTargets::findAxis(Storm& a, Storm& b, const Junction& junction) const {
   const TriangleMesh& mesh = charts_.mesh();
   const double edge = meanEdge(mesh, query_.closest(junction.point).point.face);
   const bool merge = junction.kind == Junction::Kind::Merge;
   const double far = merge ? std::max(a.span.start, b.span.start) : std::min(a.span.end, b.span.end);
   constexpr int kSteps = 2000;
-  double lambda = junction.lambda, distance = 0.0;
-  for (int k = 0; k <= kSteps && distance < 2.0 * kApartEdges * edge; ++k) {
-    lambda = junction.lambda + (far - junction.lambda) * k / kSteps;
-    distance = (a.path.positionAt(lambda) - b.path.positionAt(lambda)).norm();
+  Vec3 axis = Vec3::Zero();
+  for (int k = 0; k <= kSteps && axis.norm() < edge; ++k) {
+    const double lambda = junction.lambda + (far - junction.lambda) * k / kSteps;
+    axis = a.path.positionAt(lambda) - b.path.positionAt(lambda);
   }
-  if (distance < edge)
+  if (axis.norm() < edge)
     throw InputError(
         "\"" + elements_[a.element].name + "\" and \"" + elements_[b.element].name +
         "\" are joined but never an edge length apart: draw them along different ways, or refine the mesh");
-  a.apart = b.apart = lambda;
+  a.axis = axis;
+  b.axis = -axis;
 }
 
 SingularState SingularTargets::stateOf(Index element, const SurfacePoint& point) const {
@@ -124,18 +127,7 @@ std::vector<SingularTargets::Present> SingularTargets::presentAt(double lambda, 
   for (const Storm& storm : storms_) {
     const double share = storm.span.share(lambda, step);
     if (!(share > 0.0)) continue;
-    SurfacePoint point = storm.path.at(lambda);
-    if (storm.partner != kNone) {
-      const Storm& other = storms_[storm.partner];
-      const bool merge = storm.span.endJoined && !storm.span.ownsEnd;
-      if (merge ? lambda > storm.apart : lambda < storm.apart) {
-        // The middle goes on to the meeting point, the distance stays what the mesh can resolve.
-        const Vec3 middle = 0.5 * (storm.path.positionAt(lambda) + other.path.positionAt(lambda));
-        const Vec3 half = 0.5 * (storm.path.positionAt(storm.apart) - other.path.positionAt(storm.apart));
-        point = query_.closest(Vec3(middle + half)).point;
-      }
-    }
-    present.push_back({&storm, stateOf(storm.element, point), share});
+    present.push_back({&storm, stateOf(storm.element, storm.path.at(lambda)), share});
   }
   return present;
 }
@@ -191,40 +183,48 @@ void SingularTargets::addDisc(const Present& storm, double share, LogMapScratch&
   }
 }
 
-void SingularTargets::addPair(const Present& a, const Present& b, const StormPair& pair, LogMapScratch& scratch,
-                              std::vector<Target>& targets) const {
+double SingularTargets::addPair(Present a, Present b, LogMapScratch& scratch, std::vector<Target>& targets) const {
   const TriangleMesh& mesh = charts_.mesh();
+  const double edge = meanEdge(mesh, a.state.point.face);
+  const double chord = (position(mesh, a.state.point) - position(mesh, b.state.point)).norm();
+  std::optional<PairPlacement> placed;
+  if (chord < kCloseEdges * edge)
+    placed = placePair(charts_, query_, a.state.point, b.state.point, a.storm->axis, edge, scratch);
+  if (placed) {
+    a.state.point = placed->a;
+    b.state.point = placed->b;
+  }
+  StormPair pair{a.state, b.state, stateOf(a.storm->single, a.state.point), 0.0};
+  pair.distance = distanceBetween(a.state, b.state, scratch);
+  const double joint = pair.joint();
+  if (!(joint > 0.0)) return 1.0;
+
   const double reach = pair.distance + std::max({a.state.radius, b.state.radius, pair.single.radius});
   const LogMap mapA = logMap(charts_, a.state.point, reach, scratch);
   const LogMap mapB = logMap(charts_, b.state.point, reach, scratch);
-  // Where the discs touch; off the middle near the meeting point, so that it is the second storm the saddle takes
-  // along.
-  constexpr double kOffMiddle = 0.05;
   const double touch = a.state.radius / (a.state.radius + b.state.radius);
-  const double part = touch + pair.closeness() * (0.5 + kOffMiddle - touch);
-  const SurfacePoint saddle = between(mesh, query_, mapA, mapB, pair.distance, part);
+  const double part = touch + pair.closeness() * (0.5 - touch);
+  const SurfacePoint saddle = placed ? placed->saddle : between(mesh, query_, mapA, mapB, pair.distance, part);
   const LogMap mapSaddle = logMap(charts_, saddle, reach, scratch);
-  const double share = pair.joint() * std::min(a.share, b.share);
-  for (const PairTarget& t : pairTargets(mesh, pair, mapA, mapB, mapSaddle))
-    targets.push_back(
-        {t.vertex, t.value, density(t.scale) * t.cover * share, t.cover * share, t.core,
-         mapA.find(t.vertex)->distance <= mapB.find(t.vertex)->distance ? a.storm->element : b.storm->element});
+  const double share = joint * std::min(a.share, b.share);
+  for (const PairTarget& t : pairTargets(mesh, pair, mapA, mapB, mapSaddle)) {
+    const bool nearerA = mapA.find(t.vertex)->distance <= mapB.find(t.vertex)->distance;
+    targets.push_back({t.vertex, t.value, density(t.scale) * t.cover * share, t.cover * share, t.core,
+                       (nearerA ? a : b).storm->element});
+  }
+  return 1.0 - joint;
 }
 
 void SingularTargets::addAt(double lambda, double step, LogMapScratch& scratch, std::vector<Target>& targets) const {
   std::vector<Present> present = presentAt(lambda, step);
   giveWay(present, lambda, scratch);
-  for (const Present& a : present) {
-    double alone = 1.0;
-    for (const Present& b : present) {
-      if (a.storm->partner == kNone || &storms_[a.storm->partner] != b.storm) continue;
-      StormPair pair{a.state, b.state, stateOf(a.storm->single, a.state.point), 0.0};
-      pair.distance = distanceBetween(a.state, b.state, scratch);
-      alone = 1.0 - pair.joint();
-      if (&a < &b && alone < 1.0) addPair(a, b, pair, scratch, targets);
-    }
-    if (alone > 0.0) addDisc(a, alone * a.share, scratch, targets);
-  }
+  std::vector<double> alone(present.size(), 1.0);
+  for (std::size_t i = 0; i < present.size(); ++i)
+    for (std::size_t j = i + 1; j < present.size(); ++j)
+      if (present[i].storm->partner != kNone && &storms_[present[i].storm->partner] == present[j].storm)
+        alone[i] = alone[j] = addPair(present[i], present[j], scratch, targets);
+  for (std::size_t i = 0; i < present.size(); ++i)
+    if (alone[i] > 0.0) addDisc(present[i], alone[i] * present[i].share, scratch, targets);
 }
 
 }  // namespace stormfield

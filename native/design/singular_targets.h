@@ -30,10 +30,9 @@ class SingularTargets {
     Index element = kNone;
     SurfacePath path;
     LambdaSpan span;
-    Index partner = kNone;  ///< the storm it merges with or splits from
-    Index single = kNone;   ///< the element they become or come from
-    /// Lambda up to (from) which the mesh can tell the pair apart; past it they keep the distance they have there.
-    double apart = 0.0;
+    Index partner = kNone;     ///< the storm it merges with or splits from
+    Index single = kNone;      ///< the element they become or come from
+    Vec3 axis = Vec3::Zero();  ///< from the partner to this storm shortly before they meet
   };
   struct Present {
     const Storm* storm = nullptr;
@@ -42,14 +41,14 @@ class SingularTargets {
   };
 
   Storm makeStorm(Index element, const std::vector<Junction>& junctions) const;
-  void findApart(Storm& a, Storm& b, const Junction& junction) const;
+  void findAxis(Storm& a, Storm& b, const Junction& junction) const;
   SingularState stateOf(Index element, const SurfacePoint& point) const;
   std::vector<Present> presentAt(double lambda, double step) const;
   void giveWay(std::vector<Present>& present, double lambda, LogMapScratch& scratch) const;
   double distanceBetween(const SingularState& a, const SingularState& b, LogMapScratch& scratch) const;
   void addDisc(const Present& storm, double share, LogMapScratch& scratch, std::vector<Target>& targets) const;
-  void addPair(const Present& a, const Present& b, const StormPair& pair, LogMapScratch& scratch,
-               std::vector<Target>& targets) const;
+  /// Adds the joint field of a pair; the share that is left for each storm alone.
+  double addPair(Present a, Present b, LogMapScratch& scratch, std::vector<Target>& targets) const;
   double density(double radius) const;
 
   const VertexCharts& charts_;
