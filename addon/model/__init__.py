@@ -1,0 +1,1 @@
+"""Plain data: designs and meshes. No bpy, no native module."""

@@ -1,0 +1,247 @@
+"""A design: the elements an artist placed and the settings of the solve, as plain data that never changes.
+
+    design = Design(elements=(Element("eye", "singular", ((0, 0, 1),), kind="vortex_ccw"),))
+    design.check()                      # InputError: what, where, cure
+    Design.from_json(json.load(file))   # the form of design.schema.json
+
+Checks that need the surface (points off it, storms that contradict each other) belong to the native module.
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from .errors import InputError
+
+SCHEMA = "stormfield.design/1"
+TYPES = ("singular", "regular", "streamline", "pathline")
+KINDS = (
+    "source",
+    "sink",
+    "saddle",
+    "vortex_ccw",
+    "vortex_cw",
+    "spiral_in_ccw",
+    "spiral_in_cw",
+    "spiral_out_ccw",
+    "spiral_out_cw",
+)
+#: The two fields of one mesh (thesis 9.2): what turns the texture, and what moves it.
+FIELDS = ("orientation", "advection")
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Element:
+    """One design element; design.schema.json says what each value means."""
+
+    name: str
+    type: str
+    points: tuple[Vector, ...]
+    lam: tuple[float, ...] = (0.0, 1.0)
+    kind: str = "source"
+    field: str = "both"
+    strength: float = 0.2
+    radius: float = 0.1
+    hard: bool = False
+    angle: float = 0.0
+    direction: Vector | None = None
+    enabled: bool = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", tuple(_vector(point) for point in self.points))
+        object.__setattr__(self, "lam", tuple(float(value) for value in self.lam))
+        if self.direction is not None:
+            object.__setattr__(self, "direction", _vector(self.direction))
+
+    def acts_on(self, name: str) -> bool:
+        return self.field in (name, "both")
+
+    def check(self) -> None:
+        """Raises InputError on the first fault that can be seen without the surface."""
+        where = f"element '{self.name}'"
+        _check_word(self.type, TYPES, where, "type")
+        _check_word(self.field, (*FIELDS, "both"), where, "field")
+        if self.type == "singular":
+            _check_word(self.kind, KINDS, where, "kind")
+        for what in ("strength", "radius"):
+            value = getattr(self, what)
+            if not (math.isfinite(value) and value > 0):
+                raise InputError(f"{where} has {what} {value:g}: give a number above 0")
+        if not math.isfinite(self.angle):
+            raise InputError(f"{where} has an angle that is not finite: give radians")
+        if not self.points:
+            raise InputError(f"{where} has no points: draw it on the surface")
+        for number, point in enumerate(self.points):
+            if not all(map(math.isfinite, point)):
+                raise InputError(f"{where} point {number} is not finite: give three finite numbers")
+        self._check_lam(where)
+
+    def _check_lam(self, where: str) -> None:
+        if not self.lam:
+            raise InputError(f"{where} has no λ: give start and end, or one value per point")
+        if len(self.lam) > 2 and len(self.lam) != len(self.points):
+            raise InputError(
+                f"{where} has {len(self.lam)} λ values for {len(self.points)} points: give start and end, or one per point"
+            )
+        for value in self.lam:
+            if not 0.0 <= value <= 1.0:  # also refuses nan
+                raise InputError(f"{where} has λ {value:g}, outside 0..1: move it into the range")
+        for before, after in zip(self.lam, self.lam[1:], strict=False):
+            if after < before:
+                raise InputError(f"{where} has λ {after:g} after {before:g}: let λ grow along it")
+
+
+@dataclass(frozen=True)
+class SolveSettings:
+    """How the field is solved; the same for both fields."""
+
+    samples: int = 100
+    lambda_weight: float = 10.0
+    even_speed: float = 0.0
+    tolerance: float = 1e-4
+    lambda_per_second: float = 1.0
+
+    def check(self) -> None:
+        if self.samples < 1:
+            raise InputError(f"settings: samples is {self.samples}: give at least 1")
+        for what in ("lambda_weight", "tolerance", "lambda_per_second"):
+            value = getattr(self, what)
+            if not (math.isfinite(value) and value > 0):
+                raise InputError(f"settings: {what} is {value:g}: give a number above 0")
+        if not 0.0 <= self.even_speed <= 1.0:
+            raise InputError(f"settings: even_speed is {self.even_speed:g}: give a number from 0 to 1")
+
+
+@dataclass(frozen=True)
+class Design:
+    """Elements and settings."""
+
+    elements: tuple[Element, ...] = ()
+    settings: SolveSettings = field(default_factory=SolveSettings)
+
+    def elements_of(self, name: str) -> tuple[Element, ...]:
+        """The enabled elements that act on the field `name`."""
+        return tuple(element for element in self.elements if element.enabled and element.acts_on(name))
+
+    def check(self) -> None:
+        """Raises InputError on the first fault that can be seen without the surface."""
+        self.settings.check()
+        names: set[str] = set()
+        enabled = [element for element in self.elements if element.enabled]
+        if not enabled:
+            raise InputError("the design has no element that is turned on: add one, or enable one")
+        for element in enabled:
+            if element.name in names:
+                raise InputError(f"two elements are named '{element.name}': give each its own name")
+            names.add(element.name)
+            element.check()
+
+    @classmethod
+    def from_json(cls, data: Any) -> "Design":
+        """From the form of design.schema.json (its mesh is left to the reader of the file). Raises InputError."""
+        check_schema(data)
+        design = cls(
+            elements=tuple(Element(**element) for element in data["elements"]),
+            settings=SolveSettings(**data.get("settings", {})),
+        )
+        design.check()
+        return design
+
+    def to_json(self, mesh: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """The form of design.schema.json, with the mesh when it is given; values that are the default are left out."""
+        return {
+            "schema": SCHEMA,
+            **({"mesh": dict(mesh)} if mesh else {}),
+            "settings": _changed(self.settings),
+            "elements": [_changed(element) for element in self.elements],
+        }
+
+
+def check_schema(data: Any) -> None:
+    """Raises InputError with one line that says where in the JSON, what is wrong, and the cure."""
+    import jsonschema
+
+    found = data.get("schema") if isinstance(data, dict) else None
+    if found != SCHEMA:
+        raise InputError(f"schema: is {found!r}: a design says \"schema\": \"{SCHEMA}\"")
+    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(_schema()).iter_errors(data))
+    if error is None:
+        return
+    path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in error.absolute_path).lstrip(".")
+    raise InputError(f"{path or 'design'}: {_said(error)}{_named(data, error.absolute_path)}")
+
+
+@cache
+def _schema() -> dict[str, Any]:
+    return json.loads((Path(__file__).parent / "design.schema.json").read_text(encoding="utf-8"))
+
+
+def _said(error) -> str:
+    """The validator's finding as a fault and its cure, short enough for one line."""
+    shown = json.dumps(error.instance, ensure_ascii=False)
+    shown = shown if len(shown) <= 40 else shown[:37] + "..."
+    value = error.validator_value
+    match error.validator:
+        case "enum":
+            return f"is {shown}: use one of {', '.join(value)}"
+        case "required":
+            missing = [name for name in value if name not in error.instance]
+            return f"{missing[0]} is missing: add it"
+        case "additionalProperties":
+            unknown = [name for name in error.instance if name not in error.schema["properties"]]
+            return f"{unknown[0]} is not known: remove it, or use one of {', '.join(error.schema['properties'])}"
+        case "type":
+            return f"is {shown}: give a value of type {value}"
+        case "exclusiveMinimum":
+            return f"is {shown}: give a number above {value}"
+        case "minimum":
+            return f"is {shown}: give at least {value}"
+        case "maximum":
+            return f"is {shown}: give at most {value}"
+        case "minItems" | "maxItems":
+            return f"has {len(error.instance)} values: give at {'least' if error.validator == 'minItems' else 'most'} {value}"
+        case "oneOf":
+            return "is neither {\"vertices\", \"triangles\"} nor {\"file\"}: give one of them"
+    return f"{error.message}: see design.schema.json"
+
+
+def _named(data: Any, path: Sequence[Any]) -> str:
+    """Adds the element's name, which says more than its number."""
+    path = list(path)
+    if len(path) < 2 or path[0] != "elements":
+        return ""
+    element = data["elements"][path[1]]
+    name = element.get("name") if isinstance(element, dict) else None
+    return f" (element '{name}')" if isinstance(name, str) else ""
+
+
+def _changed(value: Any) -> dict[str, Any]:
+    """Fields of a dataclass whose value is not the default, as JSON knows them."""
+    result = {}
+    for each in fields(value):
+        content = getattr(value, each.name)
+        # λ and the kind are said even when they are the default: a design file should tell its story.
+        if content == each.default and each.name not in ("lam", "kind", "samples"):
+            continue
+        if each.name == "kind" and value.type != "singular":
+            continue
+        result[each.name] = [list(v) if isinstance(v, tuple) else v for v in content] if isinstance(content, tuple) else content
+    return result
+
+
+def _vector(values: Sequence[float]) -> Vector:
+    vector = tuple(float(value) for value in values)
+    if len(vector) != 3:
+        raise InputError(f"a point has {len(vector)} coordinates: give x, y and z")
+    return vector
+
+
+def _check_word(word: str, known: Sequence[str], where: str, what: str) -> None:
+    if word not in known:
+        raise InputError(f"{where} has {what} '{word}': use one of {', '.join(known)}")
