@@ -1,0 +1,23 @@
+"""Stormfield: vector fields on surfaces that change over time, designed in Blender.
+
+The package imports without Blender (command line, pipelines); everything that needs bpy is imported inside register().
+"""
+
+__version__ = "0.1.0"
+
+
+def _modules():
+    """The parts with something to register, in the order of their dependence."""
+    from . import handlers, operators, properties, ui
+
+    return (properties, operators, ui, handlers)
+
+
+def register() -> None:
+    for module in _modules():
+        module.register()
+
+
+def unregister() -> None:
+    for module in reversed(_modules()):
+        module.unregister()

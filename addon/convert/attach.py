@@ -1,0 +1,78 @@
+"""Caches on disk → the artist's object: Mesh Sequence Cache modifiers that bring attributes onto its own mesh.
+
+The λ cache follows `obj.stormfield.lam` through a driver, the frame cache the scene's frame; renders need no Python.
+The modifiers are the only record of where the caches are, so a path can be stale in one place only.
+"""
+
+from pathlib import Path
+
+import bpy
+
+LAMBDA = "Stormfield λ"
+FRAMES = "Stormfield Flow"
+#: USD time codes per unit of λ.
+TIME_CODES = 1000.0
+PRIM = "/stormfield/mesh"
+STAGE = "field.usda"
+
+
+def attach_lambda(obj: bpy.types.Object, folder: Path) -> None:
+    """Bring sf_orientation, sf_advection, sf_speed and sf_stream at the current λ onto the mesh."""
+    cache_file = _attach(obj, LAMBDA, folder, 0)
+    cache_file.override_frame = True
+    cache_file.driver_remove("frame")
+    driver = cache_file.driver_add("frame").driver
+    driver.type = "SCRIPTED"
+    variable = driver.variables.new()
+    variable.name = "lam"
+    variable.targets[0].id = obj
+    variable.targets[0].data_path = "stormfield.lam"
+    driver.expression = f"lam * {TIME_CODES:.0f}"
+    obj.update_tag()
+
+
+def attach_frames(obj: bpy.types.Object, folder: Path) -> None:
+    """Bring sf_phase_a, sf_phase_b and sf_blend of the scene's frame onto the mesh."""
+    _attach(obj, FRAMES, folder, 1 if LAMBDA in obj.modifiers else 0)
+    obj.update_tag()
+
+
+def detach(obj: bpy.types.Object, names: tuple[str, ...] = (LAMBDA, FRAMES)) -> None:
+    for name in names:
+        modifier = obj.modifiers.get(name)
+        if modifier is not None:
+            cache_file = modifier.cache_file
+            obj.modifiers.remove(modifier)
+            if cache_file is not None and cache_file.users == 0:
+                bpy.data.cache_files.remove(cache_file) if hasattr(bpy.data.cache_files, "remove") else None
+
+
+def attached_folder(obj: bpy.types.Object, name: str) -> Path | None:
+    """The folder of the cache that modifier `name` shows, if there is one."""
+    modifier = obj.modifiers.get(name)
+    if modifier is None or modifier.type != "MESH_SEQUENCE_CACHE" or modifier.cache_file is None:
+        return None
+    return Path(bpy.path.abspath(modifier.cache_file.filepath)).parent
+
+
+def _attach(obj: bpy.types.Object, name: str, folder: Path, position: int) -> bpy.types.CacheFile:
+    modifier = obj.modifiers.get(name)
+    if modifier is None:
+        modifier = obj.modifiers.new(name, "MESH_SEQUENCE_CACHE")
+    stage = str(folder / STAGE)
+    # A new file each time: undo then goes back to the earlier cache, which is still on the disk.
+    modifier.cache_file = _open(stage)
+    modifier.object_path = PRIM
+    modifier.read_data = {"ATTRIBUTES"}
+    obj.modifiers.move(obj.modifiers.find(name), position)
+    return modifier.cache_file
+
+
+def _open(stage: str) -> bpy.types.CacheFile:
+    before = set(bpy.data.cache_files)
+    bpy.ops.cachefile.open(filepath=stage, relative_path=False)
+    cache_file = next(iter(set(bpy.data.cache_files) - before))
+    if bpy.data.filepath:
+        with_blend = bpy.path.relpath(stage) if Path(stage).drive == Path(bpy.data.filepath).drive else stage
+        cache_file.filepath = with_blend
+    return cache_file

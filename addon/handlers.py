@@ -1,0 +1,50 @@
+"""What Stormfield does when files are saved and loaded or the scene changes. Nothing here serves renders."""
+
+import bpy
+from bpy.app.handlers import persistent
+
+from .convert import relocate
+from .operators import running
+from .ui import overlay
+
+
+@persistent
+def move_caches_to_file(blend: str, *_):
+    relocate.move_temporary_caches(blend)
+
+
+@persistent
+def stop_job(*_):
+    running.request_cancel()
+
+
+@persistent
+def forget_drawings(*_):
+    overlay.forget()
+
+
+@persistent
+def mark_changed(_scene, depsgraph):
+    overlay.mark_changed(depsgraph)
+
+
+HANDLERS = (
+    ("save_pre", move_caches_to_file),
+    ("load_pre", stop_job),
+    ("load_post", forget_drawings),
+    ("undo_post", forget_drawings),
+    ("redo_post", forget_drawings),
+    ("depsgraph_update_post", mark_changed),
+)
+
+
+def register() -> None:
+    for name, function in HANDLERS:
+        getattr(bpy.app.handlers, name).append(function)
+
+
+def unregister() -> None:
+    for name, function in HANDLERS:
+        functions = getattr(bpy.app.handlers, name)
+        if function in functions:
+            functions.remove(function)

@@ -1,0 +1,27 @@
+"""One operator per deed; each reads the context, calls plain functions and reports in plain words."""
+
+import bpy
+
+from . import bake, draw, elements, field, job_operator, running, shading, solve, storm_merge
+
+CLASSES = (
+    *field.CLASSES,
+    *elements.CLASSES,
+    *draw.CLASSES,
+    *job_operator.CLASSES,
+    *solve.CLASSES,
+    *bake.CLASSES,
+    *shading.CLASSES,
+    *storm_merge.CLASSES,
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    running.request_cancel()
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

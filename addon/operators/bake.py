@@ -1,0 +1,49 @@
+"""Bake: the flowing texture's coordinates per frame (attached to the object), EXR flow maps and VDB volumes."""
+
+import bpy
+
+from ..convert import attach
+from ..ui.native_state import native_problem
+from .job_operator import JobOperator
+from .shared import active_field
+
+
+class STORMFIELD_OT_bake(JobOperator, bpy.types.Operator):
+    """Write what is switched on below for every frame, from the solved field. Esc stops; finished frames are kept"""
+
+    bl_idname = "stormfield.bake"
+    bl_label = "Bake"
+    bl_options = {"UNDO"}
+    job_title = "Baking"
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        obj = active_field(context)
+        settings = obj.stormfield.bake
+        problem = native_problem()
+        if problem:
+            cls.poll_message_set(problem)
+        elif attach.attached_folder(obj, attach.LAMBDA) is None:
+            cls.poll_message_set("Solve first: the bake reads the solved field")
+        elif not (settings.use_frames or settings.use_exr or settings.use_vdb):
+            cls.poll_message_set("Switch on at least one thing to write")
+        elif settings.use_exr and not obj.data.uv_layers:
+            cls.poll_message_set("EXR flow maps need a UV layer; unwrap the mesh, or switch them off")
+        else:
+            return True
+        return False
+
+    def start(self, context, obj):
+        from ..bake import job
+
+        raise NotImplementedError(job)
+
+    def finish(self, context, obj, folder):
+        if folder is not None:
+            attach.attach_frames(obj, folder)
+        self.report({"INFO"}, f"'{obj.name}' is baked")
+
+
+CLASSES = (STORMFIELD_OT_bake,)

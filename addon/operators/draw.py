@@ -1,0 +1,74 @@
+"""Draw elements on the surface with Blender's own Draw tool: set it up, and come back from it."""
+
+import bpy
+from bpy.props import EnumProperty
+
+from ..properties.element import TYPES
+from .elements import add_element
+from .shared import FieldOperator, active_field
+
+
+class STORMFIELD_OT_draw_element(FieldOperator, bpy.types.Operator):
+    """Draw on the surface: every stroke becomes a curve of one new element. Finish with Tab or Finish Drawing"""
+
+    bl_idname = "stormfield.draw_element"
+    bl_label = "Draw on Surface"
+    bl_options = {"REGISTER", "UNDO"}
+
+    type: EnumProperty(name="Type", description="What the strokes mean", items=TYPES, default="streamline")
+
+    def execute(self, context):
+        obj = active_field(context)
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        data = bpy.data.curves.new({"singular": "Path"}.get(self.type, self.type.title()), "CURVE")
+        data.dimensions = "3D"
+        curve = bpy.data.objects.new(data.name, data)
+        curve.parent = obj  # what is drawn is then in the mesh's own space and follows it
+        for collection in obj.users_collection or [context.scene.collection]:
+            collection.objects.link(curve)
+        add_element(obj, curve, type=self.type)
+        bpy.ops.object.select_all(action="DESELECT")
+        obj.select_set(True)
+        curve.select_set(True)
+        context.view_layer.objects.active = curve
+        bpy.ops.object.mode_set(mode="EDIT")
+        paint = context.tool_settings.curve_paint_settings
+        paint.depth_mode, paint.curve_type = "SURFACE", "BEZIER"
+        paint.use_project_only_selected, paint.use_stroke_endpoints = True, False
+        paint.surface_offset, paint.radius_max = 0.0, 0.0
+        if context.area and context.area.type == "VIEW_3D":
+            bpy.ops.wm.tool_set_by_id(name="builtin.draw")
+        self.report({"INFO"}, f"Draw on '{obj.name}'; Tab when done")
+        return {"FINISHED"}
+
+
+class STORMFIELD_OT_finish_drawing(FieldOperator, bpy.types.Operator):
+    """Leave the Draw tool and select the field's mesh again"""
+
+    bl_idname = "stormfield.finish_drawing"
+    bl_label = "Finish Drawing"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if context.mode not in {"EDIT_CURVE", "EDIT_CURVES"}:
+            cls.poll_message_set("Nothing is being drawn")
+            return False
+        return super().poll(context)
+
+    def execute(self, context):
+        obj, curve = active_field(context), context.object
+        if context.area and context.area.type == "VIEW_3D":
+            bpy.ops.wm.tool_set_by_id(name="builtin.select_box")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        curve.select_set(False)
+        obj.select_set(True)
+        context.view_layer.objects.active = obj
+        strokes = len(curve.data.splines) if curve.type == "CURVE" else len(curve.data.curves)
+        if strokes == 0:
+            self.report({"WARNING"}, f"Nothing was drawn; '{curve.name}' is empty")
+        return {"FINISHED"}
+
+
+CLASSES = (STORMFIELD_OT_draw_element, STORMFIELD_OT_finish_drawing)

@@ -1,0 +1,188 @@
+"""The list of design elements: add from what is selected, place at the cursor, remove, move, preset."""
+
+import bpy
+from bpy.props import EnumProperty
+from mathutils import Matrix
+
+from ..properties.element import KINDS, SOURCES, TYPES
+from .shared import ElementOperator, FieldOperator, active_field
+
+#: What artists ask for by name: element settings in one click.
+PRESETS = {
+    "CYCLONE": ("Cyclone", "Turns left and flows in", {"type": "singular", "kind": "spiral_in_ccw"}),
+    "ANTICYCLONE": ("Anticyclone", "Turns right and flows out", {"type": "singular", "kind": "spiral_out_cw"}),
+    "EYE": ("Still Eye", "Turns left without flowing in or out", {"type": "singular", "kind": "vortex_ccw"}),
+    "SPRING": ("Spring", "Everything flows away from here", {"type": "singular", "kind": "source"}),
+    "DRAIN": ("Drain", "Everything flows to here", {"type": "singular", "kind": "sink"}),
+    "JET": ("Jet", "A fast stream along the curve", {"type": "streamline", "strength": 0.5}),
+    "CALM": ("Calm Stream", "A slow stream along the curve", {"type": "streamline", "strength": 0.08}),
+}
+
+
+def add_element(obj: bpy.types.Object, source: bpy.types.Object | None, **settings):
+    """Append an element with a name of its own and make it active; `settings` are its properties."""
+    field = obj.stormfield
+    taken = {element.name for element in field.elements}
+    element = field.elements.add()
+    base = settings.pop("name", None) or (source.name if source else "Element")
+    number = 1
+    while (name := base if number == 1 else f"{base}.{number:03d}") in taken:
+        number += 1
+    element.name, element.source = name, source
+    element.radius = settings.pop("radius", default_radius(obj))
+    for key, value in settings.items():
+        setattr(element, key, value)
+    field.active_element = len(field.elements) - 1
+    return element
+
+
+def default_radius(obj: bpy.types.Object) -> float:
+    """A twelfth of the object's diagonal, in mesh units: visible at once, small against the object."""
+    corners = obj.bound_box
+    return max(1e-4, sum((a - b) ** 2 for a, b in zip(corners[0], corners[6], strict=True)) ** 0.5 / 12.0)
+
+
+def is_animated(obj: bpy.types.Object) -> bool:
+    """Whether the object, or something it hangs on, moves by keys, drivers or constraints."""
+    while obj is not None:
+        animation = obj.animation_data
+        if (animation and (animation.action or animation.drivers)) or obj.constraints:
+            return True
+        obj = obj.parent
+    return False
+
+
+class STORMFIELD_OT_add_elements(FieldOperator, bpy.types.Operator):
+    """Make every selected curve and empty an element of the field"""
+
+    bl_idname = "stormfield.add_elements"
+    bl_label = "Add from Selected"
+    bl_options = {"REGISTER", "UNDO"}
+
+    type: EnumProperty(name="Curves Mean", description="What a selected curve means", items=TYPES, default="streamline")
+    kind: EnumProperty(name="Kind", description="How the field flows around a fixed point", items=KINDS)
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if not _selected_sources(context):
+            cls.poll_message_set("Select a curve or an empty that is no element yet")
+            return False
+        return True
+
+    def execute(self, context):
+        obj = active_field(context)
+        sources = _selected_sources(context)
+        for source in sources:
+            point = source.type == "EMPTY"
+            add_element(
+                obj,
+                source,
+                kind=self.kind,
+                type="singular" if point and self.type != "regular" else self.type,
+                from_animation=point and is_animated(source) and not _moves_with(source, obj),
+            )
+        self.report({"INFO"}, f"Added {len(sources)} element{'s' if len(sources) != 1 else ''} to '{obj.name}'")
+        return {"FINISHED"}
+
+
+def _selected_sources(context) -> list[bpy.types.Object]:
+    obj = active_field(context)
+    known = {element.source for element in obj.stormfield.elements}
+    return [
+        s
+        for s in context.selected_objects
+        if s.type in SOURCES and s != obj and s not in known and not s.stormfield.enabled
+    ]
+
+
+def _moves_with(source, obj) -> bool:
+    return source.parent == obj and not (source.animation_data or source.constraints)
+
+
+class STORMFIELD_OT_place_element(FieldOperator, bpy.types.Operator):
+    """Place an empty on the surface nearest to the 3D cursor and make it a fixed point of the field"""
+
+    bl_idname = "stormfield.place_element"
+    bl_label = "Place at Cursor"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: EnumProperty(name="Kind", description="How the field flows around the point", items=KINDS)
+
+    def execute(self, context):
+        obj = active_field(context)
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        inverse = obj.matrix_world.inverted_safe()
+        found, place, normal, _face = obj.closest_point_on_mesh(inverse @ context.scene.cursor.location)
+        if not found:
+            self.report({"ERROR"}, f"'{obj.name}' has no surface near the 3D cursor")
+            return {"CANCELLED"}
+        label = next(label for key, label, *_ in KINDS if key == self.kind)
+        empty = bpy.data.objects.new(label.split(",")[0], None)
+        empty.empty_display_type, empty.empty_display_size = "ARROWS", default_radius(obj)
+        empty.parent = obj
+        empty.matrix_basis = Matrix.Translation(place) @ normal.to_track_quat("Z", "Y").to_matrix().to_4x4()
+        for collection in obj.users_collection or [context.scene.collection]:
+            collection.objects.link(empty)
+        add_element(obj, empty, type="singular", kind=self.kind)
+        return {"FINISHED"}
+
+
+class STORMFIELD_OT_remove_element(ElementOperator, bpy.types.Operator):
+    """Take the active element out of the list; its curve or empty stays in the scene"""
+
+    bl_idname = "stormfield.remove_element"
+    bl_label = "Remove Element"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        field = active_field(context).stormfield
+        field.elements.remove(field.active_element)
+        field.active_element = max(0, min(field.active_element, len(field.elements) - 1))
+        return {"FINISHED"}
+
+
+class STORMFIELD_OT_move_element(ElementOperator, bpy.types.Operator):
+    """Move the active element in the list; the order changes names in messages only, never the field"""
+
+    bl_idname = "stormfield.move_element"
+    bl_label = "Move Element"
+    bl_options = {"REGISTER", "UNDO"}
+
+    direction: EnumProperty(items=(("UP", "Up", "Towards the top"), ("DOWN", "Down", "Towards the bottom")))
+
+    def execute(self, context):
+        field = active_field(context).stormfield
+        goal = field.active_element + (-1 if self.direction == "UP" else 1)
+        if not 0 <= goal < len(field.elements):
+            return {"CANCELLED"}
+        field.elements.move(field.active_element, goal)
+        field.active_element = goal
+        return {"FINISHED"}
+
+
+class STORMFIELD_OT_element_preset(ElementOperator, bpy.types.Operator):
+    """Give the active element the settings of a kind of weather"""
+
+    bl_idname = "stormfield.element_preset"
+    bl_label = "Element Preset"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(items=tuple((key, label, text) for key, (label, text, _) in PRESETS.items()))
+
+    def execute(self, context):
+        element = active_field(context).stormfield.active()
+        for key, value in PRESETS[self.preset][2].items():
+            setattr(element, key, value)
+        return {"FINISHED"}
+
+
+CLASSES = (
+    STORMFIELD_OT_add_elements,
+    STORMFIELD_OT_place_element,
+    STORMFIELD_OT_remove_element,
+    STORMFIELD_OT_move_element,
+    STORMFIELD_OT_element_preset,
+)

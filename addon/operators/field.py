@@ -1,0 +1,92 @@
+"""Give a mesh a field, take it away, and key λ over the scene's frames."""
+
+import bpy
+from bpy.props import BoolProperty
+
+from .. import compat
+from ..convert import attach
+from .shared import FieldOperator, active_field
+
+
+class STORMFIELD_OT_add_field(bpy.types.Operator):
+    """Design a field on the active mesh; λ is keyed from 0 to 1 over the scene's frames"""
+
+    bl_idname = "stormfield.add_field"
+    bl_label = "Add Field"
+    bl_options = {"REGISTER", "UNDO"}
+
+    key_lambda: BoolProperty(
+        name="Key λ", description="Key λ from 0 at the first frame of the scene to 1 at the last", default=True
+    )
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.object
+        if obj is None or obj.type != "MESH":
+            cls.poll_message_set("Select a mesh: the field lives on its surface")
+        elif obj.stormfield.enabled:
+            cls.poll_message_set(f"'{obj.name}' has a field already")
+        elif not obj.data.polygons:
+            cls.poll_message_set(f"'{obj.name}' has no faces; a field needs a surface")
+        elif not obj.is_editable or obj.library:
+            cls.poll_message_set(f"'{obj.name}' is linked from another file; make it local first")
+        else:
+            return True
+        return False
+
+    def execute(self, context):
+        obj = context.object
+        obj.stormfield.enabled = True
+        if self.key_lambda and compat.find_fcurve(obj, "stormfield.lam") is None:
+            key_lambda(context.scene, obj)
+        self.report({"INFO"}, f"'{obj.name}' has a field now; add elements that say where it flows")
+        return {"FINISHED"}
+
+
+class STORMFIELD_OT_remove_field(FieldOperator, bpy.types.Operator):
+    """Take the field away from the mesh: its elements, modifiers and settings. Curves, empties and caches stay"""
+
+    bl_idname = "stormfield.remove_field"
+    bl_label = "Remove Field"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        obj = active_field(context)
+        attach.detach(obj)
+        for curve in [c for c in compat.fcurves(obj) if c.data_path.startswith("stormfield.")]:
+            compat.remove_fcurve(obj, curve)
+        obj.property_unset("stormfield")
+        obj.stormfield.enabled = False
+        self.report({"INFO"}, f"'{obj.name}' has no field any more; its curves and caches were kept")
+        return {"FINISHED"}
+
+
+class STORMFIELD_OT_key_lambda(FieldOperator, bpy.types.Operator):
+    """Key λ from 0 at the first frame of the scene to 1 at the last; shape its F-curve in the Graph Editor"""
+
+    bl_idname = "stormfield.key_lambda"
+    bl_label = "Key λ over Scene"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        key_lambda(context.scene, active_field(context))
+        return {"FINISHED"}
+
+
+def key_lambda(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
+    """Two linear keys. Earlier keys of λ are removed."""
+    old = compat.find_fcurve(obj, "stormfield.lam")
+    if old is not None:
+        compat.remove_fcurve(obj, old)
+    field = obj.stormfield
+    for frame, value in ((scene.frame_end, 1.0), (scene.frame_start, 0.0)):
+        field.lam = value
+        field.keyframe_insert("lam", frame=frame)
+    curve = compat.find_fcurve(obj, "stormfield.lam")
+    for key in curve.keyframe_points:
+        key.interpolation = "LINEAR"
+    curve.update()
+    field.lam = min(1.0, max(0.0, curve.evaluate(scene.frame_current)))
+
+
+CLASSES = (STORMFIELD_OT_add_field, STORMFIELD_OT_remove_field, STORMFIELD_OT_key_lambda)

@@ -1,0 +1,152 @@
+"""Long work without a blocked window: a generator of steps, driven in short slices by a timer.
+
+    class SOLVE(JobOperator, Operator):
+        job_title = "Solving"
+        def start(self, context, obj):  -> generator that yields steps with .fraction and .message, returns its result
+        def finish(self, context, obj, result):  attaches what was made
+
+With a window the operator is modal: slices of SLICE seconds, progress in the status bar, the cursor and the panel, Esc
+ends it within a tenth of a second. Without (background mode, scripts) the same generator runs to its end in one call.
+Between slices objects are known by name only, so undo and deletion in the meantime do no harm.
+"""
+
+import time
+
+import bpy
+
+from . import running
+from .shared import FieldOperator, active_field, redraw, report_fault
+
+#: Seconds of work between two looks at the keyboard, and between two timer events.
+SLICE = 0.04
+TICK = 0.02
+#: Faults of input, solver, disk and memory: told to the artist. Anything else is our mistake and goes to the console.
+EXPECTED = (ValueError, RuntimeError, OSError, MemoryError)
+
+
+class JobOperator(FieldOperator):
+    job_title = "Working"
+
+    @classmethod
+    def poll(cls, context):
+        if running.current() is not None:
+            cls.poll_message_set(f"{running.current().title} '{running.current().object_name}'; press Esc to stop it")
+            return False
+        return super().poll(context)
+
+    def invoke(self, context, _event):
+        if bpy.app.background:
+            return self.execute(context)
+        obj = active_field(context)
+        self._steps = None
+        try:
+            self._steps = self.start(context, obj)
+        except EXPECTED as fault:
+            return report_fault(self, fault)
+        self._object_name = obj.name
+        self._began = time.monotonic()
+        running.begin(self.job_title, obj.name)
+        manager = context.window_manager
+        manager.progress_begin(0, 100)
+        self._timer = manager.event_timer_add(TICK, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        job = running.current()
+        if job is None or job.cancel_requested or (event.type == "ESC" and event.value == "PRESS"):
+            self._leave(context)
+            self.report({"WARNING"}, f"{self.job_title} '{self._object_name}' was stopped; it is as it was before")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        until = time.monotonic() + SLICE
+        try:
+            while time.monotonic() < until:
+                step = next(self._steps)
+                job.fraction, job.message = step.fraction, step.message
+                if getattr(step, "waiting", False):  # the core works on its own threads: give the time back
+                    break
+        except StopIteration as end:
+            return self._done(context, end.value)
+        except EXPECTED as fault:
+            self._leave(context)
+            return report_fault(self, fault)
+        except BaseException:
+            self._leave(context)
+            raise
+        context.window_manager.progress_update(round(job.fraction * 100))
+        context.workspace.status_text_set(
+            f"{self.job_title} '{job.object_name}': {job.fraction:.0%}  {job.message}      Esc: stop"
+        )
+        redraw(context)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context):
+        """Blender ends modal operators when a file is loaded or the window closes."""
+        self._leave(context)
+
+    def execute(self, context):
+        obj = active_field(context)
+        self._object_name, self._began = obj.name, time.monotonic()
+        job = running.begin(self.job_title, obj.name)
+        try:
+            steps = self.start(context, obj)
+            while True:
+                step = next(steps)
+                job.fraction, job.message = step.fraction, step.message
+                if getattr(step, "waiting", False):
+                    time.sleep(TICK)
+        except StopIteration as end:
+            running.end()
+            return self._finished(context, end.value)
+        except EXPECTED as fault:
+            return report_fault(self, fault)
+        finally:
+            running.end()
+
+    def _done(self, context, result):
+        self._leave(context)
+        return self._finished(context, result)
+
+    def _finished(self, context, result):
+        obj = bpy.data.objects.get(self._object_name)
+        if obj is None:
+            self.report({"WARNING"}, f"'{self._object_name}' is gone or has another name; its cache is kept")
+            return {"CANCELLED"}
+        try:
+            self.finish(context, obj, result)
+        except EXPECTED as fault:
+            return report_fault(self, fault)
+        return {"FINISHED"}
+
+    def _leave(self, context):
+        """Stop the generator (it cleans up after itself) and give window, cursor and status bar back."""
+        if self._steps is not None:
+            self._steps.close()
+            self._steps = None
+        running.end()
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        redraw(context)
+
+
+class STORMFIELD_OT_cancel_job(bpy.types.Operator):
+    """Stop the solve or bake that is running (the same as Esc)"""
+
+    bl_idname = "stormfield.cancel_job"
+    bl_label = "Stop"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _context):
+        return running.current() is not None
+
+    def execute(self, _context):
+        running.request_cancel()
+        return {"FINISHED"}
+
+
+CLASSES = (STORMFIELD_OT_cancel_job,)

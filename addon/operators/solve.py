@@ -1,0 +1,45 @@
+"""Solve: read the scene, solve over mesh × λ, write the λ cache and attach it to the object."""
+
+import bpy
+
+from ..convert import attach, folders
+from ..convert.mesh_arrays import read_polygons
+from ..convert.scene import read_design
+from ..ui.native_state import native_problem
+from .job_operator import JobOperator
+from .shared import active_field
+
+
+class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
+    """Solve the field for every λ, cache it and show it on the mesh. Esc stops"""
+
+    bl_idname = "stormfield.solve"
+    bl_label = "Solve"
+    bl_options = {"UNDO"}
+    job_title = "Solving"
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        problem = native_problem()
+        if problem:
+            cls.poll_message_set(problem)
+            return False
+        if not any(element.enabled for element in active_field(context).stormfield.elements):
+            cls.poll_message_set("Add an element first: draw on the surface, or add a curve or an empty")
+            return False
+        return True
+
+    def start(self, context, obj):
+        from ..bake import job
+
+        mesh, design = read_design(context, obj)
+        return job.solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj))
+
+    def finish(self, context, obj, folder):
+        attach.attach_lambda(obj, folder)
+        self.report({"INFO"}, f"'{obj.name}' is solved; move λ or scrub the timeline to see it")
+
+
+CLASSES = (STORMFIELD_OT_solve,)

@@ -1,0 +1,23 @@
+"""The settings of a field, saved with the object: `Object.stormfield`."""
+
+import bpy
+
+from .bake import BakeProperties
+from .element import ElementProperties
+from .field import FieldProperties
+from .look import LookProperties
+from .solve import SolveProperties
+
+CLASSES = (ElementProperties, SolveProperties, BakeProperties, LookProperties, FieldProperties)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Object.stormfield = bpy.props.PointerProperty(type=FieldProperties, name="Stormfield")
+
+
+def unregister() -> None:
+    del bpy.types.Object.stormfield
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

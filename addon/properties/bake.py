@@ -1,0 +1,64 @@
+"""Settings of the bake: what is written besides the λ cache, where, and for which frames."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+RESOLUTIONS = tuple((str(n), f"{n} px", f"{n} × {n} pixels") for n in (256, 512, 1024, 2048, 4096))
+
+
+class BakeProperties(bpy.types.PropertyGroup):
+    folder: StringProperty(
+        name="Cache Folder",
+        subtype="DIR_PATH",
+        default="",
+        description="Folder of this object's caches; empty means stormfield_cache beside the .blend file, "
+        "or Blender's temporary folder until the file is saved",
+    )
+    use_frames: BoolProperty(
+        name="Flowing Texture",
+        default=True,
+        description="Bake coordinates that travel with the advection field, per frame, for materials that flow",
+    )
+    use_exr: BoolProperty(
+        name="EXR Flow Maps",
+        default=False,
+        description="Write one flow map image per frame in the UV layer chosen, for other programs and shaders",
+    )
+    use_vdb: BoolProperty(
+        name="VDB Volumes",
+        default=False,
+        description="Write one narrow-band vector volume per frame around the surface, for smoke and particles",
+    )
+    use_scene_frames: BoolProperty(name="Scene Frames", description="Bake the frame range of the scene", default=True)
+    frame_start: IntProperty(name="Start", description="First frame baked (frame number)", default=1)
+    frame_end: IntProperty(name="End", description="Last frame baked (frame number)", default=250)
+    period: IntProperty(
+        name="Period",
+        description="Frames after which a phase of the flowing texture starts anew; longer stretches "
+        "the texture more, shorter renews it more often (frames)",
+        min=2,
+        soft_max=240,
+        max=100000,
+        default=48,
+    )
+    speed: FloatProperty(
+        name="Flow Speed",
+        description="Multiplies the speed at which the advection field carries texture (factor)",
+        min=0.0,
+        soft_max=10.0,
+        max=1000.0,
+        default=1.0,
+    )
+    uv_layer: StringProperty(name="UV Layer", description="UV layer of the flow maps; empty means the active layer")
+    resolution: EnumProperty(
+        name="Resolution", description="Width and height of each flow map (pixels)", items=RESOLUTIONS, default="1024"
+    )
+    voxel_size: FloatProperty(
+        name="Voxel Size",
+        description="Edge of one voxel, in mesh units (object space)",
+        min=1e-5,
+        soft_max=1.0,
+        default=0.02,
+        precision=4,
+        step=0.1,
+    )

@@ -1,0 +1,112 @@
+"""One design element of a field: where it is comes from a curve or an empty, what it means from here."""
+
+import math
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+
+TYPES = (
+    ("singular", "Singular", "A fixed point: at an empty, or moving along a curve as λ goes on", "FORCE_VORTEX", 0),
+    ("streamline", "Streamline", "The field follows the curve over the whole λ range", "CURVE_PATH", 1),
+    ("pathline", "Pathline", "A particle travels along the curve as λ goes from start to end", "TRACKING", 2),
+    (
+        "regular",
+        "Regular",
+        "The field points one way here: along the empty's X axis, or from curve start to curve end",
+        "FORWARD",
+        3,
+    ),
+)
+KINDS = (
+    ("vortex_ccw", "Vortex, counter-clockwise", "Turns left around the point, seen from outside", 0),
+    ("vortex_cw", "Vortex, clockwise", "Turns right around the point, seen from outside", 1),
+    ("spiral_in_ccw", "Spiral in, counter-clockwise", "Turns left and flows in: a cyclone of the north", 2),
+    ("spiral_in_cw", "Spiral in, clockwise", "Turns right and flows in: a cyclone of the south", 3),
+    ("spiral_out_ccw", "Spiral out, counter-clockwise", "Turns left and flows out", 4),
+    ("spiral_out_cw", "Spiral out, clockwise", "Turns right and flows out", 5),
+    ("source", "Source", "Everything flows away from the point", 6),
+    ("sink", "Sink", "Everything flows to the point", 7),
+    ("saddle", "Saddle", "Flows in along one axis and out along the other", 8),
+)
+FIELDS = (
+    ("both", "Both", "Shapes the orientation field and the advection field"),
+    ("orientation", "Orientation", "Shapes only the field that turns the texture"),
+    ("advection", "Advection", "Shapes only the field that moves the texture"),
+)
+SOURCES = {"CURVE", "CURVES", "EMPTY", "MESH"}
+
+
+def _is_source(_self, candidate: bpy.types.Object) -> bool:
+    return candidate.type in SOURCES
+
+
+class ElementProperties(bpy.types.PropertyGroup):
+    name: StringProperty(name="Name", description="Name of the element, used in messages", default="Element")
+    enabled: BoolProperty(name="Enabled", description="The element takes part in the next solve", default=True)
+    source: PointerProperty(
+        type=bpy.types.Object,
+        name="Source",
+        poll=_is_source,
+        description="Curve, hair curves, edges of a mesh, or empty that says where the element is; it may be animated",
+    )
+    type: EnumProperty(name="Type", description="What the source object means for the field", items=TYPES)
+    kind: EnumProperty(name="Kind", description="How the field flows around the fixed point", items=KINDS)
+    field: EnumProperty(name="Field", description="Which of the two fields the element shapes", items=FIELDS)
+    from_animation: BoolProperty(
+        name="From Animation",
+        default=False,
+        description="λ follows the keyframes: the source's place at each frame counts at that frame's λ",
+    )
+    lam_start: FloatProperty(
+        name="λ Start",
+        description="λ at which the element begins (0..1, no unit)",
+        min=0.0,
+        max=1.0,
+        default=0.0,
+        precision=3,
+        step=1,
+    )
+    lam_end: FloatProperty(
+        name="λ End",
+        description="λ at which the element ends (0..1, no unit)",
+        min=0.0,
+        max=1.0,
+        default=1.0,
+        precision=3,
+        step=1,
+    )
+    strength: FloatProperty(
+        name="Strength",
+        description="Speed of the field at the element, in object sizes per second; "
+        "the size of an object is the square root of its area",
+        soft_min=0.01,
+        min=0.0001,
+        soft_max=2.0,
+        max=1000.0,
+        default=0.2,
+        precision=3,
+        step=1,
+    )
+    radius: FloatProperty(
+        name="Radius",
+        description="Distance to which the element holds the field, in mesh units (object space)",
+        min=1e-5,
+        soft_min=0.01,
+        soft_max=2.0,
+        default=0.2,
+        precision=3,
+        step=1,
+    )
+    angle: FloatProperty(
+        name="Angle",
+        description="Turn of a saddle's outgoing axis from the empty's X axis, in degrees",
+        subtype="ANGLE",
+        min=-math.pi,
+        max=math.pi,
+        default=0.0,
+    )
+    hard: BoolProperty(
+        name="Exact",
+        description="The inner third of the element is met exactly instead of in balance with its neighbours",
+        default=False,
+    )

@@ -1,0 +1,33 @@
+"""The root of all settings of one field, on its mesh object."""
+
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty
+
+from .bake import BakeProperties
+from .element import ElementProperties
+from .look import LookProperties
+from .solve import SolveProperties
+
+
+class FieldProperties(bpy.types.PropertyGroup):
+    enabled: BoolProperty(name="Has Field", description="Stormfield designs a field on this mesh", default=False)
+    lam: FloatProperty(
+        name="λ",
+        description="The parameter of the design, from 0 to 1 (no unit). Keyframe it: the F-curve says how "
+        "the storms drift in time, and changing it needs no new solve",
+        min=0.0,
+        max=1.0,
+        default=0.0,
+        precision=4,
+        step=1,
+        subtype="FACTOR",
+        options={"ANIMATABLE"},
+    )
+    elements: CollectionProperty(type=ElementProperties)
+    active_element: IntProperty(name="Active Element", description="Index of the element shown below the list")
+    solve: PointerProperty(type=SolveProperties)
+    bake: PointerProperty(type=BakeProperties)
+    look: PointerProperty(type=LookProperties)
+
+    def active(self) -> ElementProperties | None:
+        return self.elements[self.active_element] if 0 <= self.active_element < len(self.elements) else None

@@ -1,0 +1,42 @@
+"""Settings of the space-time solve."""
+
+import bpy
+from bpy.props import FloatProperty, IntProperty
+
+
+class SolveProperties(bpy.types.PropertyGroup):
+    samples: IntProperty(
+        name="λ Samples",
+        description="Number of fields solved between λ = 0 and λ = 1 (count); linear between them",
+        min=2,
+        soft_max=200,
+        max=2000,
+        default=100,
+    )
+    lambda_weight: FloatProperty(
+        name="λ Stiffness",
+        description="How strongly the field resists change along λ against change over the surface "
+        "(ratio, no unit): higher is calmer in time, lower follows the elements more closely",
+        min=0.01,
+        soft_max=100.0,
+        max=10000.0,
+        default=10.0,
+    )
+    even_speed: FloatProperty(
+        name="Even Speed",
+        description="0 keeps the solved speed, which fades far from the elements; 1 makes the speed "
+        "even everywhere with a smooth fall to fixed points (factor 0..1)",
+        subtype="FACTOR",
+        min=0.0,
+        max=1.0,
+        default=0.8,
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="Relative residual at which the solver stops (ratio, no unit)",
+        min=1e-9,
+        max=1e-1,
+        default=1e-4,
+        precision=6,
+        step=0.01,
+    )

@@ -1,0 +1,137 @@
+"""What the overlay has worked out for each object, kept until field, λ or settings change. Reads bpy data only."""
+
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+
+from ..convert.mesh_arrays import loop_triangles
+from . import field_drawing
+from .field_drawing import Surface
+
+
+@dataclass
+class Drawing:
+    """Lines and fixed points of one object at one λ, in its own space."""
+
+    lines: np.ndarray  #: (l, 2, 3) ends of line segments
+    colours: np.ndarray  #: (l, 2, 4)
+    points: list[tuple[str, np.ndarray]]  #: kind and position of every fixed point
+    note: str = ""
+    batch: object = None  #: GPU batch of the lines, made at the first draw
+
+
+@dataclass
+class _Entry:
+    generation: int = -1
+    surface: Surface | None = None
+    mesh: object = None  #: native TriangleMesh, or None where the evaluated mesh is no surface
+    note: str = ""
+    seeds: dict = field(default_factory=dict)
+    key: tuple = ()
+    drawing: Drawing | None = None
+
+
+_entries: dict[str, _Entry] = {}
+_generations: dict[str, int] = {}
+
+
+def forget() -> None:
+    _entries.clear()
+    _generations.clear()
+
+
+def mark_changed(depsgraph: bpy.types.Depsgraph) -> None:
+    for update in depsgraph.updates:
+        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
+            name = update.id.name
+            _generations[name] = _generations.get(name, 0) + 1
+
+
+def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
+    """The drawing of an evaluated object, or None where it carries no field yet."""
+    settings, mesh = evaluated.stormfield.look, evaluated.data
+    attribute = mesh.attributes.get(settings.shown_field)
+    if attribute is None or attribute.domain != "POINT" or attribute.data_type != "FLOAT_VECTOR":
+        return None
+    entry = _entries.setdefault(evaluated.name, _Entry())
+    key = (
+        round(evaluated.stormfield.lam, 6),
+        _generations.get(evaluated.name, 0),
+        len(mesh.vertices),
+        settings.shown_field,
+        settings.style,
+        settings.density,
+        round(settings.length, 3),
+        round(settings.opacity, 3),
+        settings.show_fixed_points,
+    )
+    if entry.drawing is None or entry.key != key:
+        _update_surface(entry, mesh)
+        values = np.empty(len(mesh.vertices) * 3, np.float32)
+        attribute.data.foreach_get("vector", values)
+        entry.drawing = _draw(entry, values.reshape(-1, 3).astype(np.float64), settings)
+        entry.key = key
+    return entry.drawing
+
+
+def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:
+    """Keep the surface while the evaluated mesh has the same shape: only its attributes follow λ."""
+    vertices = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    triangles, _loops = loop_triangles(mesh)
+    surface = Surface(vertices.reshape(-1, 3).astype(np.float64), triangles)
+    old = entry.surface
+    if old is not None and np.array_equal(old.vertices, surface.vertices) and np.array_equal(old.triangles, triangles):
+        return
+    entry.surface, entry.seeds, entry.mesh, entry.note = surface, {}, None, ""
+    try:
+        from .. import native
+
+        entry.mesh = native.load().TriangleMesh(surface.vertices, surface.triangles)
+    except (ValueError, RuntimeError, ImportError) as fault:
+        entry.note = f"Fixed points cannot be shown: {fault}"
+
+
+def _draw(entry: _Entry, values: np.ndarray, settings) -> Drawing:
+    surface = entry.surface
+    empty = np.zeros((0, 2, 3))
+    lines, colours = empty, np.zeros((0, 2, 4))
+    if settings.style != "NONE" and len(surface.triangles):
+        if settings.density not in entry.seeds:
+            entry.seeds = {settings.density: field_drawing.spread_seeds(surface, settings.density)}
+        seeds = entry.seeds[settings.density]
+        if settings.style == "STROKES" and entry.mesh is not None:
+            lines, colours = _stroke_lines(entry, values, seeds, settings)
+        else:
+            arrows, speed = field_drawing.arrows(surface, values, seeds, settings.length)
+            lines = arrows.reshape(-1, 2, 3)
+            colours = np.repeat(_colours(speed, settings.opacity), 6, axis=0).reshape(-1, 2, 4)
+    points = []
+    if settings.show_fixed_points and entry.mesh is not None:
+        from .. import native
+
+        core = native.load()
+        for point in core.fixed_points(core.VectorField.from_space(entry.mesh, values)):
+            points.append((point.kind, np.asarray(point.position)))
+    return Drawing(lines, colours, points, entry.note)
+
+
+def _stroke_lines(entry: _Entry, values, seeds, settings):
+    paths, speed = field_drawing.strokes(entry.surface, entry.mesh.closest_points, values, seeds, settings.length)
+    lines = np.stack([paths[:, :-1], paths[:, 1:]], axis=2)
+    count, steps = lines.shape[:2]
+    colours = np.repeat(_colours(speed, settings.opacity), 2 * steps, axis=0).reshape(count, steps, 2, 4).copy()
+    front = (np.arange(steps + 1) / steps) ** 1.5  # transparent behind, full at the front
+    colours[..., 0, 3] *= front[:-1]
+    colours[..., 1, 3] *= front[1:]
+    return lines.reshape(-1, 2, 3), colours.reshape(-1, 2, 4)
+
+
+def _colours(speed: np.ndarray, opacity: float) -> np.ndarray:
+    """From calm blue to bright sand with the speed."""
+    slow, fast = np.array([0.25, 0.55, 0.85]), np.array([1.0, 0.93, 0.72])
+    colours = np.empty((len(speed), 4))
+    colours[:, :3] = slow + (fast - slow) * speed[:, None]
+    colours[:, 3] = opacity
+    return colours

@@ -1,0 +1,110 @@
+"""Field → points and lines to draw, from the evaluated mesh and its attributes alone. No GPU here, nothing is written.
+
+Places where strokes begin are spread evenly and stay where they are while λ changes, so that scrubbing shows motion of
+the field and not of the sampling. A stroke is a short streamline: steps in the tangent plane, each brought back to the
+surface by its closest point. All lines are lifted off the surface by LIFT object sizes.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+#: Distance between lines and surface, as a part of the object's diagonal.
+LIFT = 0.003
+STEPS = 10
+
+
+@dataclass(frozen=True)
+class Surface:
+    vertices: np.ndarray  #: (n, 3) float64
+    triangles: np.ndarray  #: (m, 3) int32
+
+    @property
+    def size(self) -> float:
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) or 1.0
+
+    def face_normals(self) -> np.ndarray:
+        a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
+        normals = np.cross(b - a, c - a)
+        return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+
+
+@dataclass(frozen=True)
+class Seeds:
+    faces: np.ndarray  #: (k,) int32
+    barycentric: np.ndarray  #: (k, 3)
+    spacing: float
+
+
+def spread_seeds(surface: Surface, density: int) -> Seeds:
+    """Evenly spread places: a low-discrepancy sequence by area, thinned to one place per cell of a grid."""
+    spacing = float(np.ptp(surface.vertices, axis=0).max()) / density
+    a, b, c = (surface.vertices[surface.triangles[:, i]] for i in range(3))
+    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    total = areas.sum()
+    if total <= 0 or spacing <= 0:
+        return Seeds(np.zeros(0, np.int32), np.zeros((0, 3)), spacing)
+    count = int(min(60_000, 4 * total / spacing**2 + 16))
+    index = np.arange(count)
+    along, u, v = ((0.5 + index * step) % 1.0 for step in (0.8191725133961645, 0.6710436067037893, 0.5497004779019703))
+    faces = np.searchsorted(np.cumsum(areas) / total, along).clip(max=len(areas) - 1).astype(np.int32)
+    root = np.sqrt(u)
+    barycentric = np.stack([1 - root, root * (1 - v), root * v], axis=1)
+    places = np.einsum("kc,kcd->kd", barycentric, surface.vertices[surface.triangles[faces]])
+    cells = np.floor(places / (0.85 * spacing)).astype(np.int64)
+    _, first = np.unique(cells, axis=0, return_index=True)
+    first.sort()
+    return Seeds(faces[first], barycentric[first], spacing)
+
+
+def strokes(
+    surface: Surface, closest, values: np.ndarray, seeds: Seeds, length: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Short streamlines (k, STEPS + 1, 3) through the seeds, and the speed of each over the usual fast speed (k,).
+
+    `closest(points) -> faces, barycentric, distances` brings points to the surface.
+    """
+    normals = surface.face_normals()
+    reference = _fast_speed(values)
+    faces, barycentric = seeds.faces, seeds.barycentric
+    relative = np.minimum(1.0, np.linalg.norm(_evaluate(surface, values, faces, barycentric), axis=1) / reference)
+    step = seeds.spacing * length * (0.25 + 0.75 * relative[:, None]) / STEPS
+    points = [_positions(surface, faces, barycentric)]
+    lifted = [points[0] + LIFT * surface.size * normals[faces]]
+    for _ in range(STEPS):
+        flow = _evaluate(surface, values, faces, barycentric)
+        speed = np.linalg.norm(flow, axis=1, keepdims=True)
+        moved = points[-1] + step * flow / np.maximum(speed, 1e-30) * np.minimum(1.0, speed / (0.02 * reference))
+        faces, barycentric, _ = closest(moved)
+        points.append(_positions(surface, faces, barycentric))
+        lifted.append(points[-1] + LIFT * surface.size * normals[faces])
+    return np.stack(lifted, axis=1), relative
+
+
+def arrows(surface: Surface, values: np.ndarray, seeds: Seeds, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Arrows as lines (k, 3 segments, 2 ends, 3): shaft and two barbs; and their relative speed (k,)."""
+    normals = surface.face_normals()[seeds.faces]
+    flow = _evaluate(surface, values, seeds.faces, seeds.barycentric)
+    speed = np.linalg.norm(flow, axis=1, keepdims=True)
+    relative = np.minimum(1.0, speed / _fast_speed(values))
+    along = flow / np.maximum(speed, 1e-30) * (seeds.spacing * 0.4 * length * (0.3 + 0.7 * relative))
+    aside = np.cross(normals, along)
+    start = _positions(surface, seeds.faces, seeds.barycentric) + LIFT * surface.size * normals
+    tip = start + along
+    barbs = [tip - 0.35 * along + sign * 0.2 * aside for sign in (1, -1)]
+    lines = np.stack([np.stack([start, tip], 1), np.stack([barbs[0], tip], 1), np.stack([barbs[1], tip], 1)], axis=1)
+    return lines, relative[:, 0]
+
+
+def _fast_speed(values: np.ndarray) -> float:
+    """The speed that counts as fast: the 95th percentile, never zero."""
+    return max(float(np.percentile(np.linalg.norm(values, axis=1), 95)), 1e-12) if len(values) else 1.0
+
+
+def _evaluate(surface: Surface, values: np.ndarray, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
+    """Linear interpolation, enough for a picture (the fixed points use the core's own interpolation)."""
+    return np.einsum("kc,kcd->kd", barycentric, values[surface.triangles[faces]])
+
+
+def _positions(surface: Surface, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
+    return np.einsum("kc,kcd->kd", barycentric, surface.vertices[surface.triangles[faces]])

@@ -1,0 +1,29 @@
+"""The list of design elements."""
+
+import bpy
+
+from ..properties.element import TYPES
+
+TYPE_ICONS = {key: icon for key, _label, _text, icon, _number in TYPES}
+
+
+class STORMFIELD_UL_elements(bpy.types.UIList):
+    bl_idname = "STORMFIELD_UL_elements"
+
+    def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property):
+        row = layout.row(align=True)
+        row.active = item.enabled
+        row.prop(item, "name", text="", emboss=False, icon=TYPE_ICONS[item.type])
+        times = row.row()
+        times.alignment = "RIGHT"
+        if item.source is None:
+            times.alert = True
+            times.label(text="no source", icon="ERROR")
+        elif item.from_animation:
+            times.label(text="λ keys")
+        else:
+            times.label(text=f"λ {item.lam_start:.2f} – {item.lam_end:.2f}")
+        row.prop(item, "enabled", text="", emboss=False, icon="HIDE_OFF" if item.enabled else "HIDE_ON")
+
+
+CLASSES = (STORMFIELD_UL_elements,)

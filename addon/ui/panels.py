@@ -1,0 +1,240 @@
+"""The Stormfield tab of the 3D view's sidebar, in the order of the work."""
+
+import bpy
+
+from ..convert import attach
+from ..operators import running
+from ..operators.shared import active_field
+from .native_state import native_problem
+
+
+class _Panel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Stormfield"
+
+
+class _FieldPanel(_Panel):
+    """A panel that shows only where there is a field."""
+
+    @classmethod
+    def poll(cls, context):
+        return active_field(context) is not None
+
+
+class STORMFIELD_PT_field(_Panel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_field"
+    bl_label = "Field"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        problem = native_problem()
+        if problem:
+            box = layout.box()
+            box.alert = True
+            _text(context, box, problem, icon="ERROR")
+        obj = active_field(context)
+        if context.object is not None and context.object.type == "MESH" and not context.object.stormfield.enabled:
+            layout.operator("stormfield.add_field", icon="ADD", text=f"Add Field to {context.object.name}")
+        elif obj is None:
+            layout.operator("stormfield.add_field", icon="ADD")
+            layout.label(text="Select a mesh to begin", icon="INFO")
+        if obj is None:
+            return
+        row = layout.row(align=True)
+        row.label(text=obj.name, icon="MESH_DATA")
+        row.operator("stormfield.remove_field", text="", icon="X")
+        column = layout.column()
+        column.use_property_decorate = True
+        column.prop(obj.stormfield, "lam", slider=True)
+        layout.operator("stormfield.key_lambda", icon="KEY_HLT")
+
+
+class STORMFIELD_PT_elements(_FieldPanel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_elements"
+    bl_label = "Elements"
+
+    def draw(self, context):
+        layout = self.layout
+        obj = active_field(context)
+        field = obj.stormfield
+        if context.mode in {"EDIT_CURVE", "EDIT_CURVES"}:
+            layout.operator("stormfield.finish_drawing", icon="CHECKMARK")
+        else:
+            layout.menu("STORMFIELD_MT_draw", icon="GREASEPENCIL")
+        row = layout.row(align=True)
+        row.menu("STORMFIELD_MT_add_selected", text="From Selected", icon="RESTRICT_SELECT_OFF")
+        row.menu("STORMFIELD_MT_place", text="At Cursor", icon="PIVOT_CURSOR")
+        row = layout.row()
+        row.template_list("STORMFIELD_UL_elements", "", field, "elements", field, "active_element", rows=4)
+        column = row.column(align=True)
+        column.operator("stormfield.remove_element", text="", icon="REMOVE")
+        column.separator()
+        column.operator("stormfield.move_element", text="", icon="TRIA_UP").direction = "UP"
+        column.operator("stormfield.move_element", text="", icon="TRIA_DOWN").direction = "DOWN"
+        column.separator()
+        column.menu("STORMFIELD_MT_element_presets", text="", icon="PRESET")
+        element = field.active()
+        if element is not None:
+            _draw_element(layout, element)
+
+
+def _draw_element(layout, element):
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    column = layout.column()
+    column.prop(element, "source")
+    column.prop(element, "type")
+    if element.type == "singular":
+        column.prop(element, "kind")
+        if element.kind == "saddle":
+            column.prop(element, "angle")
+    column.prop(element, "field")
+    column.prop(element, "from_animation")
+    if not element.from_animation:
+        times = column.column(align=True)
+        times.prop(element, "lam_start")
+        times.prop(element, "lam_end", text="End")
+    column.prop(element, "strength")
+    column.prop(element, "radius")
+    column.prop(element, "hard")
+
+
+class STORMFIELD_PT_solve(_FieldPanel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_solve"
+    bl_label = "Solve"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        obj = active_field(context)
+        settings = obj.stormfield.solve
+        if not _draw_progress(layout, "Solving"):
+            row = layout.row()
+            row.scale_y = 1.4
+            row.operator("stormfield.solve", icon="PLAY")
+        column = layout.column()
+        column.prop(settings, "even_speed", slider=True)
+        column.prop(settings, "lambda_weight")
+        column.prop(settings, "samples")
+        column.prop(settings, "tolerance")
+        folder = attach.attached_folder(obj, attach.LAMBDA)
+        if folder is not None and not (folder / attach.STAGE).exists():
+            _text(context, layout, f"The λ cache is missing: {folder}. Solve again", icon="ERROR")
+
+
+class STORMFIELD_PT_bake(_FieldPanel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_bake"
+    bl_label = "Bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        obj = active_field(context)
+        settings = obj.stormfield.bake
+        if not _draw_progress(layout, "Baking"):
+            row = layout.row()
+            row.scale_y = 1.4
+            row.operator("stormfield.bake", icon="RENDER_ANIMATION")
+        column = layout.column(heading="Write")
+        column.prop(settings, "use_frames")
+        if settings.use_frames:
+            column.prop(settings, "period")
+            column.prop(settings, "speed")
+        column.prop(settings, "use_exr")
+        if settings.use_exr:
+            column.prop_search(settings, "uv_layer", obj.data, "uv_layers", icon="GROUP_UVS")
+            column.prop(settings, "resolution")
+        column.prop(settings, "use_vdb")
+        if settings.use_vdb:
+            column.prop(settings, "voxel_size")
+        column.prop(settings, "use_scene_frames")
+        if not settings.use_scene_frames:
+            frames = column.column(align=True)
+            frames.prop(settings, "frame_start")
+            frames.prop(settings, "frame_end", text="End")
+        layout.prop(settings, "folder")
+
+
+class STORMFIELD_PT_shading(_FieldPanel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_shading"
+    bl_label = "Shading"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        obj = active_field(context)
+        material = obj.active_material
+        layout.operator_menu_enum("stormfield.apply_material", "material", icon="MATERIAL")
+        if material is not None:
+            layout.label(text=material.name, icon="MATERIAL_DATA")
+        if attach.FRAMES not in obj.modifiers:
+            _text(context, layout, "Bake the flowing texture to see these materials move", icon="INFO")
+
+
+class STORMFIELD_PT_look(_FieldPanel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_look"
+    bl_label = "Look"
+
+    def draw_header(self, context):
+        self.layout.prop(active_field(context).stormfield.look, "show_overlay", text="")
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        look = active_field(context).stormfield.look
+        layout.active = look.show_overlay
+        column = layout.column()
+        column.prop(look, "shown_field")
+        column.prop(look, "style")
+        if look.style != "NONE":
+            column.prop(look, "density")
+            column.prop(look, "length")
+            column.prop(look, "width")
+            column.prop(look, "opacity", slider=True)
+        column = layout.column(heading="Mark")
+        column.prop(look, "show_fixed_points")
+        column.prop(look, "show_legend")
+
+
+def _draw_progress(layout, title: str) -> bool:
+    """The running job instead of its button."""
+    job = running.current()
+    if job is None or job.title != title:
+        return False
+    row = layout.row(align=True)
+    row.progress(factor=job.fraction, text=f"{job.title} {job.fraction:.0%}", type="BAR")
+    row.operator("stormfield.cancel_job", text="", icon="CANCEL")
+    if job.message:
+        layout.label(text=job.message)
+    return True
+
+
+def _text(context, layout, text: str, icon: str) -> None:
+    """A sentence in as many lines as the sidebar's width asks for."""
+    width = max(18, int(context.region.width / (7.5 * context.preferences.system.ui_scale)) - 5)
+    column = layout.column(align=True)
+    line = ""
+    for word in text.split():
+        if line and len(line) + len(word) + 1 > width:
+            column.label(text=line, icon=icon)
+            icon, line = "BLANK1", word
+        else:
+            line = f"{line} {word}".strip()
+    column.label(text=line, icon=icon)
+
+
+CLASSES = (
+    STORMFIELD_PT_field,
+    STORMFIELD_PT_elements,
+    STORMFIELD_PT_solve,
+    STORMFIELD_PT_bake,
+    STORMFIELD_PT_shading,
+    STORMFIELD_PT_look,
+)
