@@ -1,0 +1,90 @@
+#include "io/flow_map.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/message.h"
+#include "field/interpolation.h"
+
+namespace stormfield {
+namespace {
+
+/// Largest finite 16 bit float.
+constexpr float kHalfMax = 65504.0f;
+
+/// Maps a vector in space to the velocity of the UV coordinates, for one face: the inverse of (dP/du, dP/dv).
+class UvVelocity {
+ public:
+  UvVelocity(const TriangleMesh& mesh, Index f, const std::array<Eigen::Vector2d, 3>& uv) {
+    Eigen::Matrix<double, 3, 2> edges;
+    Eigen::Matrix2d uvEdges;
+    for (int k = 0; k < 2; ++k) {
+      edges.col(k) = mesh.point(mesh.vertex(f, k + 1)) - mesh.point(mesh.vertex(f, 0));
+      uvEdges.col(k) = uv[k + 1] - uv[0];
+    }
+    // vector = edges * w for w in the face's own coordinates (least squares: the normal part drops out).
+    map_ = uvEdges * (edges.transpose() * edges).inverse() * edges.transpose();
+  }
+  Eigen::Vector2d operator()(const Vec3& vector) const { return map_ * vector; }
+
+ private:
+  Eigen::Matrix<double, 2, 3> map_;
+};
+
+void checkHalf(const FlowMapImage& image) {
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    if (std::abs(image.pixels[i]) > kHalfMax) {
+      const std::size_t p = i / 4;
+      throw InputError(message("pixel (", p % image.width, ", ", p / image.width, ") holds ", image.pixels[i],
+                               ", more than 16 bit floats can; write 32 bit floats"));
+    }
+  }
+}
+
+}  // namespace
+
+FlowMapImage flowMap(const VectorField& field, const FaceUvs& uvs, const UvRaster& raster, FlowMapBasis basis) {
+  const TriangleMesh& mesh = field.mesh();
+  if (static_cast<Index>(uvs.size()) != mesh.faceCount()) {
+    throw InputError("the UV layer and the field belong to different meshes; read both from the same mesh");
+  }
+  FlowMapImage image{raster.width, raster.height, std::vector<float>(raster.points.size() * 4, 0.0f)};
+  tbb::parallel_for(std::size_t{0}, raster.points.size(), [&](std::size_t i) {
+    const SurfacePoint& p = raster.points[i];
+    if (p.face == kNone) return;
+    const Vec3 vector = evaluate(field, p);
+    float* rgba = image.pixels.data() + 4 * i;
+    if (basis == FlowMapBasis::Uv) {
+      Eigen::Map<Eigen::Vector2f>{rgba} = UvVelocity(mesh, p.face, uvs[p.face])(vector).cast<float>();
+      rgba[2] = static_cast<float>(vector.norm());
+    } else {
+      Eigen::Map<Eigen::Vector3f>{rgba} = vector.cast<float>();
+    }
+    rgba[3] = 1.0f;
+  });
+  return image;
+}
+
+std::string exrBytes(const FlowMapImage& image, bool half, const Metadata& metadata) {
+  namespace oiio = OIIO;
+  if (half) checkHalf(image);
+  oiio::ImageSpec spec(image.width, image.height, 4, half ? oiio::TypeHalf : oiio::TypeFloat);
+  spec.attribute("compression", "zip");
+  spec.attribute("oiio:ColorSpace", "raw");
+  for (const auto& [name, text] : metadata) spec.attribute(name, text);
+
+  std::vector<unsigned char> bytes;
+  oiio::Filesystem::IOVecOutput memory(bytes);
+  const auto output = oiio::ImageOutput::create("flow.exr", &memory);
+  const bool done = output && output->open("flow.exr", spec) &&
+                    output->write_image(oiio::TypeFloat, image.pixels.data()) && output->close();
+  if (!done)
+    throw std::runtime_error("OpenImageIO cannot write EXR: " + (output ? output->geterror() : oiio::geterror()));
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace stormfield
