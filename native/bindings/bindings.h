@@ -19,6 +19,7 @@ void bind_mesh(py::module_& m);
 void bind_field(py::module_& m);
 void bind_topology(py::module_& m);
 void bind_design(py::module_& m);
+void bind_solver(py::module_& m);
 void bind_texture(py::module_& m);
 void bind_io(py::module_& m);
 

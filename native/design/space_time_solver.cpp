@@ -25,10 +25,10 @@ std::vector<double> uniformLambdas(Index samples) {
   return lambdas;
 }
 
-void checkWarmStart(const ParameterizedField& field, const VertexCharts& charts, Index samples) {
-  if (field.charts->meshPointer() != charts.meshPointer() || field.sampleCount() != samples ||
-      field.values.size() != static_cast<std::size_t>(samples) * charts.mesh().vertexCount()) {
-    throw InputError(message("a warm start must be a field on the same mesh with ", samples, " samples of lambda"));
+void checkWarmStart(const ParameterizedField& field, Index samples, Index vertices) {
+  if (field.sampleCount() != samples || field.values.size() != static_cast<std::size_t>(samples) * vertices) {
+    throw InputError(message("a warm start must have ", samples, " samples of lambda and ", vertices,
+                             " vertices: solve without it"));
   }
   for (const Complex value : field.values) {
     if (!std::isfinite(value.real()) || !std::isfinite(value.imag())) {
@@ -142,7 +142,7 @@ SpaceTimeResult SpaceTimeSolver::solve(const ConstraintSet& constraints, Progres
   const System& system = *system_;
   const TriangleMesh& mesh = charts_->mesh();
   const Index samples = options_.samples;
-  if (warmStart) checkWarmStart(*warmStart, *charts_, samples);
+  if (warmStart) checkWarmStart(*warmStart, samples, mesh.vertexCount());
   progress.report(0.0);
   const ConstraintRows rows =
       constraintRows(constraints, system.residual.rowOf(), system.hierarchy.matrix.mass, samples);

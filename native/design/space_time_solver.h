@@ -52,7 +52,7 @@ class SpaceTimeSolver {
   ~SpaceTimeSolver();
   SpaceTimeSolver(SpaceTimeSolver&&) noexcept;
 
-  /// warmStart: a field on the same mesh with as many samples; only the change is solved for.
+  /// warmStart: a field with as many samples and vertices, best one on the same mesh; only the change is solved for.
   SpaceTimeResult solve(const ConstraintSet& constraints, Progress& progress,
                         const ParameterizedField* warmStart = nullptr) const;
 
