@@ -36,7 +36,7 @@ class CacheStore:
 
     resume: keep the samples already there; they must come from an equal plan. Otherwise samples of an equal plan are
     kept for other writers but count as missing for this one, and those of another plan are deleted.
-    replace: a cache of another mesh is deleted instead of refused.
+    replace: a cache of another mesh, or of other settings when resuming, is deleted instead of refused.
     """
 
     def __init__(self, folder: str | os.PathLike, plan: Plan, *, resume: bool = False, replace: bool = False):
@@ -46,8 +46,8 @@ class CacheStore:
         self._resume = resume
         self._written: set[int] = set()
         found = _existing_plan(self.folder)
-        if found is not None and not found.same(plan):
-            self._check_replaceable(found, resume, replace)
+        if found is not None and not found.same(plan) and not replace:
+            self._check_replaceable(found, resume)
         with _disk_faults(self.folder):
             for folder_name in {name.partition("/")[0] for name in self.names}:
                 (self.folder / folder_name).mkdir(parents=True, exist_ok=True)
@@ -94,14 +94,14 @@ class CacheStore:
 
     # Steps ------------------------------------------------------------------------------------------------------------
 
-    def _check_replaceable(self, found: Plan, resume: bool, replace: bool) -> None:
-        if found.mesh != self.plan.mesh and not replace:
+    def _check_replaceable(self, found: Plan, resume: bool) -> None:
+        if found.mesh != self.plan.mesh:
             raise InputError(
                 f"{self.folder}: holds the cache of another mesh ({found.mesh.vertices} vertices, {found.mesh.faces} "
                 f"faces, not {self.plan.mesh.vertices} and {self.plan.mesh.faces} of the same shape); "
                 "choose another folder or delete this one"
             )
-        if resume and found.mesh == self.plan.mesh:
+        if resume:
             raise InputError(
                 f"{self.folder}: was baked with other settings, so it cannot be resumed; bake without resume, "
                 "or choose another folder"

@@ -1,0 +1,285 @@
+"""The pipeline as generators of steps: the modal operator slices them, background mode and command line run through.
+
+    steps = solve_steps(mesh, design, root, polygons)     # design → solve → λ cache; returns its folder
+    steps = bake_steps(task)                              # λ cache → frame cache, EXR, VDB; returns BakeResult
+    for step in steps: show(step.fraction, step.message)  # step.waiting: the core works on its own threads, come back
+
+    folder = run(steps)                                   # blocks, and returns what the generator returned
+
+Closing a generator cancels it at that step: running work is stopped, the file in work is removed, and what is finished
+stays, so that the same call goes on from there. Caches are named by what made them: the same design finds its cache
+again at once, another design gets another folder, and undo finds the earlier one.
+"""
+
+import hashlib
+import time
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from .. import __version__, solve
+from ..model.design import Design
+from ..model.errors import InputError
+from ..model.mesh_data import MeshData
+from . import fields
+from .cache import FieldCache, FieldCacheWriter, FrameCacheWriter, open_cache
+from .exr import ExrSettings, FlowMapWriter
+from .manifest import MANIFEST, MeshIdentity, Plan, text
+from .store import sha256
+from .usd import Polygons
+from .vdb import BandWriter, VdbSettings
+
+TARGETS = ("usd", "exr", "vdb")
+#: Part of a solve that is solving; the rest is writing.
+SOLVE_PART = 0.85
+#: Seconds between two looks at a running solve, when nobody else paces it.
+POLL = 0.02
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True)
+class Step:
+    fraction: float  #: of the whole, 0..1
+    message: str
+    waiting: bool = False  #: nothing to do here for some hundredths of a second
+
+
+Steps = Generator[Step, None, Result]
+
+
+@dataclass(frozen=True)
+class FlowSettings:
+    """The flowing texture's coordinates (frames.py)."""
+
+    period: int = 48  #: frames after which a phase starts anew
+    speed: float = 1.0  #: factor on the advection field
+
+
+@dataclass(frozen=True)
+class BakeTask:
+    """A bake over frames, read once from the scene. `frames` are all its frames, with λ at each; `only`, the part that
+    this machine writes (None: all). Folders of the targets lie in root."""
+
+    cache: Path  #: the λ cache
+    mesh: MeshData  #: with the UV layers
+    frames: tuple[int, ...]
+    lambdas: tuple[float, ...]
+    root: Path
+    frames_per_second: float = 24.0
+    targets: frozenset[str] = frozenset({"usd"})
+    only: frozenset[int] | None = None
+    polygons: Polygons | None = None
+    flow: FlowSettings = field(default_factory=FlowSettings)
+    exr: ExrSettings = field(default_factory=ExrSettings)
+    vdb: VdbSettings = field(default_factory=VdbSettings)
+    resume: bool = True
+
+
+@dataclass(frozen=True)
+class BakeResult:
+    """Folders of what was written by target; `whole` is false while other machines owe frames."""
+
+    folders: dict[str, Path]
+    remarks: tuple[str, ...] = ()
+    whole: bool = True
+
+
+def run(steps: Steps[Result], show: Callable[[Step], None] = lambda step: None) -> Result:
+    """Runs a generator to its end."""
+    try:
+        while True:
+            step = next(steps)
+            show(step)
+            if step.waiting:
+                time.sleep(POLL)
+    except StopIteration as end:
+        return end.value
+    finally:
+        steps.close()
+
+
+# Solve ----------------------------------------------------------------------------------------------------------------
+
+
+def solve_steps(
+    mesh: MeshData,
+    design: Design,
+    root: Path,
+    polygons: Polygons | Sequence[np.ndarray] | None = None,
+    *,
+    folder: Path | None = None,
+    warm_start=None,
+) -> Steps[Path]:
+    """Solves a design into its λ cache, root/lambda-<key>, or `folder`; returns that folder. A finished one is kept."""
+    design.check()
+    settings = {"design": design.to_json(), "stormfield": __version__}
+    lambdas = np.linspace(0.0, 1.0, design.settings.samples) if design.settings.samples > 1 else np.zeros(1)
+    target = folder or Path(root) / _key(
+        "lambda", Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)
+    )
+    yield Step(0.0, "Looking for finished samples")
+    writer = FieldCacheWriter(target, mesh, lambdas, settings, polygons=_polygons(polygons), resume=folder is None)
+    missing = writer.missing()
+    if missing:
+        solution = yield from _solve(mesh, design, warm_start)
+        if len(solution.lambdas) != len(lambdas):
+            raise InputError(f"the solve gave {len(solution.lambdas)} samples instead of {len(lambdas)}")
+        for done, j in enumerate(missing):
+            yield Step(_between(SOLVE_PART, 1.0, done / len(missing)), f"Writing sample {j + 1} of {len(lambdas)}")
+            writer.write_sample(j, fields.attributes_of(solution, j))
+    yield Step(1.0, "Joining the samples")
+    writer.finish()
+    return target
+
+
+def _solve(mesh: MeshData, design: Design, warm_start) -> Steps[Any]:
+    job = solve.start_solve(mesh, design, warm_start)
+    try:
+        while not job.done:
+            yield Step(SOLVE_PART * job.fraction, "Solving", waiting=True)
+        return job.result()
+    finally:
+        if not job.done:
+            job.cancel()
+
+
+# Bake -----------------------------------------------------------------------------------------------------------------
+
+
+def bake_steps(task: BakeTask) -> Steps[BakeResult]:
+    """Writes the targets of a task, one after the other, frame by frame."""
+    unknown = task.targets - set(TARGETS)
+    if unknown:
+        raise InputError(f"unknown target '{min(unknown)}'; choose from {', '.join(TARGETS)}")
+    cache = open_cache(task.cache)
+    cache.check_mesh(task.mesh)
+    indices = _indices(task)
+    baked_from = {
+        "field": sha256(cache.folder / MANIFEST),
+        "lambdas": [float(lam) for lam in task.lambdas],
+        "frames_per_second": float(task.frames_per_second),
+        "stormfield": __version__,
+    }
+    folders, remarks, whole = {}, [], True
+    ordered = [target for target in TARGETS if target in task.targets]
+    for number, target in enumerate(ordered):
+        steps = _TARGET_STEPS[target](task, cache, indices, baked_from)
+        folder, notes, finished = yield from _scaled(steps, number / len(ordered), (number + 1) / len(ordered))
+        folders[target] = folder
+        remarks += notes
+        whole &= finished
+    return BakeResult(folders, tuple(remarks), whole)
+
+
+TargetResult = tuple[Path, list[str], bool]
+
+
+def _bake_frames(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[TargetResult]:
+    """The flowing texture's coordinates, as a frame cache for the Mesh Sequence Cache modifier."""
+    from .frames import FlowFrames
+
+    settings = {"flow": vars(task.flow), "from": baked_from}
+    plan = Plan("usd", "frame", task.frames, MeshIdentity.of(task.mesh), settings)
+    folder = task.root / _key("frames", plan)
+    writer = FrameCacheWriter(
+        folder, task.mesh, task.frames, settings, polygons=task.polygons, resume=task.resume, replace=True
+    )
+    missing = _mine(writer.missing(), indices)
+    if missing:
+        yield Step(0.0, "Reading the field")
+        mesh = fields.native_mesh(task.mesh)
+        flow = FlowFrames(fields.parameterized(cache, fields.ADVECTION, mesh), task)
+        for done, index in enumerate(missing):
+            yield Step(done / len(missing), f"Carrying texture to frame {task.frames[index]}")
+            writer.write_sample(index, flow.attributes(index))
+    yield Step(1.0, "Joining the frames")
+    return folder, [], writer.finish()
+
+
+def _bake_exr(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[TargetResult]:
+    folder = task.root / "exr"
+    writer = FlowMapWriter(folder, task.mesh, task.frames, task.exr, baked_from, resume=task.resume)
+    attribute = fields.ATTRIBUTE.get(task.exr.field)
+    if attribute is None:
+        raise InputError(f"flow maps of field '{task.exr.field}'; choose one of {', '.join(fields.ATTRIBUTE)}")
+    missing = _mine(writer.store.missing(), indices)
+    notes: list[str] = []
+    if missing:
+        yield Step(0.0, "Reading the UV layer")
+        mesh = fields.native_mesh(task.mesh)
+        notes = writer.prepare(mesh)
+        for done, index in enumerate(missing):
+            yield Step(done / len(missing), f"Drawing the flow map of frame {task.frames[index]}")
+            sample = cache.at(task.lambdas[index])
+            writer.write(index, fields.field_at(sample, attribute, mesh), task.lambdas[index])
+    return folder, notes, writer.finish()
+
+
+def _bake_vdb(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[TargetResult]:
+    folder = task.root / "vdb"
+    writer = BandWriter(folder, task.mesh, task.frames, task.vdb, baked_from, resume=task.resume)
+    missing = _mine(writer.store.missing(), indices)
+    notes: list[str] = []
+    if missing:
+        yield Step(0.0, "Finding the voxels around the surface")
+        mesh = fields.native_mesh(task.mesh)
+        notes = writer.prepare(mesh)
+        for done, index in enumerate(missing):
+            yield Step(done / len(missing), f"Writing the volume of frame {task.frames[index]}")
+            sample = cache.at(task.lambdas[index])
+            bands = {name: fields.field_at(sample, name, mesh) for name in fields.ATTRIBUTE.values()}
+            writer.write(index, bands, task.lambdas[index])
+    return folder, notes, writer.finish()
+
+
+_TARGET_STEPS = {"usd": _bake_frames, "exr": _bake_exr, "vdb": _bake_vdb}
+
+
+# Helpers --------------------------------------------------------------------------------------------------------------
+
+
+def _indices(task: BakeTask) -> set[int]:
+    """The samples this machine writes."""
+    if len(task.frames) != len(task.lambdas) or not task.frames:
+        raise InputError("a bake needs at least one frame, and λ at each")
+    if task.only is None:
+        return set(range(len(task.frames)))
+    outside = sorted(task.only - set(task.frames))
+    if outside:
+        raise InputError(
+            f"frame {outside[0]} is outside the bake, {task.frames[0]} to {task.frames[-1]}; "
+            "set the scene's frame range to the whole animation"
+        )
+    return {index for index, frame in enumerate(task.frames) if frame in task.only}
+
+
+def _mine(missing: list[int], indices: set[int]) -> list[int]:
+    return [index for index in missing if index in indices]
+
+
+def _key(word: str, plan: Plan) -> str:
+    return f"{word}-{hashlib.sha256(text(plan).encode()).hexdigest()[:12]}"
+
+
+def _polygons(polygons) -> Polygons | None:
+    return polygons if polygons is None or isinstance(polygons, Polygons) else Polygons(*polygons)
+
+
+def _between(start: float, end: float, part: float) -> float:
+    return start + (end - start) * part
+
+
+def _scaled(steps: Steps[Result], start: float, end: float) -> Steps[Result]:
+    """The same steps as a part of a longer work."""
+    try:
+        while True:
+            step = next(steps)
+            yield Step(_between(start, end, step.fraction), step.message, step.waiting)
+    except StopIteration as stop:
+        return stop.value
+    finally:
+        steps.close()
