@@ -1,0 +1,117 @@
+#include <pybind11/stl.h>
+
+#include "bindings/bindings.h"
+#include "bindings/job.h"
+#include "design/design_solve.h"
+
+namespace stormfield::bindings {
+namespace {
+
+using MeshPointer = std::shared_ptr<MeshHandle>;
+using ElementLists = std::vector<std::vector<DesignElement>>;
+
+/// What Python gets of one solved field.
+struct SolvedField {
+  ParameterizedFieldHandle field;
+  int iterations = 0;
+  double residual = 0.0;
+  std::vector<Index> componentsWithoutConstraint;
+};
+
+DesignElement makeElement(const std::string& name, const std::string& type, const py::object& points,
+                          const std::vector<double>& lam, const std::string& kind, double strength, double radius,
+                          double angle, const std::optional<std::array<double, 3>>& direction, bool hard) {
+  DesignElement element;
+  element.name = name;
+  element.type = elementType(type);
+  element.kind = singularKind(kind);
+  const auto array = inputArray<double>(points, "points", {kAny, 3});
+  for (py::ssize_t i = 0; i < array.shape(0); ++i)
+    element.points.emplace_back(array.at(i, 0), array.at(i, 1), array.at(i, 2));
+  element.lambdas = lam;
+  element.strength = strength;
+  element.radius = radius;
+  element.angle = angle;
+  if (direction) element.direction = Vec3((*direction)[0], (*direction)[1], (*direction)[2]);
+  element.hard = hard;
+  return element;
+}
+
+using SolvedFields = std::vector<std::shared_ptr<SolvedField>>;
+using WarmStarts = std::vector<std::optional<ParameterizedField>>;
+
+SolvedFields solveAll(const MeshPointer& mesh, const ElementLists& lists, const DesignOptions& options,
+                      const WarmStarts& warm, Progress& progress) {
+  const DesignSolver solver(mesh->charts(), options, progress);
+  SolvedFields solved;
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    const bool warmed = i < warm.size() && warm[i] && warm[i]->vertexCount() == mesh->mesh().vertexCount();
+    SpaceTimeResult result = solver.solve(lists[i], progress, warmed ? &*warm[i] : nullptr);
+    solved.push_back(std::make_shared<SolvedField>(SolvedField{{mesh, std::move(result.field)},
+                                                               result.iterations,
+                                                               result.residual,
+                                                               std::move(result.componentsWithoutConstraint)}));
+  }
+  return solved;
+}
+
+ConstraintSet constraintsOf(const MeshPointer& mesh, const std::vector<DesignElement>& elements, Index samples,
+                            double lambdaPerSecond) {
+  ElementOptions options;
+  options.samples = samples;
+  options.lambdaPerSecond = lambdaPerSecond;
+  const py::gil_scoped_release release;
+  return elementConstraints(mesh->charts(), elements, options);
+}
+
+}  // namespace
+
+void bind_design(py::module_& m) {
+  py::class_<DesignElement>(m, "DesignElement", py::module_local(), "What an artist places; see addon/model/design.py.")
+      .def(py::init(&makeElement), py::arg("name"), py::arg("type"), py::arg("points"),
+           py::arg("lam") = std::vector<double>{0.0, 1.0}, py::arg("kind") = "source", py::arg("strength") = 0.2,
+           py::arg("radius") = 0.1, py::arg("angle") = 0.0, py::arg("direction") = py::none(), py::arg("hard") = false,
+           "type: singular, regular, streamline or pathline. points: (k, 3) float64, object space. lam: one per point, "
+           "or\n"
+           "start and end. strength: mesh sizes per second. radius: mesh units. Raises InputError on an unknown word.")
+      .def_readonly("name", &DesignElement::name);
+
+  m.def(
+      "check_elements", [](const std::vector<DesignElement>& elements) { checkElements(elements); },
+      py::arg("elements"), "Raises InputError on the first fault that needs no mesh.");
+
+  m.def("element_constraints", &constraintsOf, py::arg("mesh"), py::arg("elements"), py::arg("samples") = 100,
+        py::arg("lambda_per_second") = 1.0, "The constraints of a list of DesignElement. Raises InputError.");
+
+  py::class_<SolvedField, std::shared_ptr<SolvedField>>(m, "SolvedField", py::module_local(),
+                                                        "A solved field and how the solve went.")
+      .def_readonly("field", &SolvedField::field, "ParameterizedField.")
+      .def_readonly("iterations", &SolvedField::iterations, "Of the Krylov method.")
+      .def_readonly("residual", &SolvedField::residual, "True relative residual.")
+      .def_readonly("components_without_constraint", &SolvedField::componentsWithoutConstraint,
+                    "Components of the mesh that no element reaches: their field is zero.");
+
+  using SolveJob = Job<SolvedFields>;
+  bindJob<SolveJob>(m, "SolveJob", "A solve on a thread of its own; result() is a list of SolvedField.",
+                    [](const SolvedFields& solved) { return solved; });
+  m.def(
+      "start_solve",
+      [](const MeshPointer& mesh, ElementLists lists, Index samples, double lambdaWeight, double tolerance,
+         double evenSpeed, double lambdaPerSecond, const std::vector<const ParameterizedFieldHandle*>& warmStart) {
+        WarmStarts warm;
+        for (const auto* field : warmStart)
+          warm.push_back(field ? std::optional(field->field) : std::optional<ParameterizedField>());
+        const DesignOptions options{samples, lambdaWeight, tolerance, evenSpeed, lambdaPerSecond};
+        return std::make_shared<SolveJob>(
+            [mesh, lists = std::move(lists), options, warm = std::move(warm)](Progress& progress) {
+              return solveAll(mesh, lists, options, warm, progress);
+            });
+      },
+      py::arg("mesh"), py::arg("elements"), py::kw_only(), py::arg("samples") = 100, py::arg("lambda_weight") = 10.0,
+      py::arg("tolerance") = 1e-4, py::arg("even_speed") = 0.0, py::arg("lambda_per_second") = 1.0,
+      py::arg("warm_start") = py::list(),
+      "Solves one field per list of DesignElement, one after the other, without blocking. warm_start: a\n"
+      "ParameterizedField or None per list. Faults of the design are raised by result().");
+}
+
+}  // namespace stormfield::bindings
