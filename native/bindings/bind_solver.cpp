@@ -51,8 +51,7 @@ SolveOutput solve(const MeshPointer& mesh, const ConstraintSet& constraints, con
 }
 
 std::shared_ptr<Job<SolveOutput>> startSolve(const MeshPointer& mesh, const ConstraintSet& constraints,
-                                             const SpaceTimeOptions& options,
-                                             const std::shared_ptr<Progress>& progress,
+                                             const SpaceTimeOptions& options, const std::shared_ptr<Progress>& progress,
                                              const ParameterizedFieldHandle* warmStart) {
   // The job outlives the arguments, so it works on copies.
   auto start = warmStart ? std::make_shared<const ParameterizedField>(warmStart->field) : nullptr;
@@ -76,7 +75,19 @@ void bind_solver(py::module_& m) {
            "second;\n"
            "weight: (k,) float64 > 0 in 1/size^2, infinite where the value is met exactly; names: list of the "
            "elements' names.")
-      .def("__len__", &ConstraintSet::size);
+      .def("__len__", &ConstraintSet::size)
+      .def_property_readonly(
+          "vertex", [](const ConstraintSet& s) { return copied(s.vertex); }, "(k,) int32.")
+      .def_property_readonly(
+          "sample", [](const ConstraintSet& s) { return copied(s.sample); }, "(k,) int32.")
+      .def_property_readonly(
+          "value", [](const ConstraintSet& s) { return copied(s.value); },
+          "(k,) complex128 in the charts of the vertices, mesh units per second.")
+      .def_property_readonly(
+          "weight", [](const ConstraintSet& s) { return copied(s.weight); }, "(k,) float64, infinite when hard.")
+      .def_property_readonly(
+          "element", [](const ConstraintSet& s) { return copied(s.element); }, "(k,) int32, index into names.")
+      .def_readonly("names", &ConstraintSet::elementNames, "Names of the elements.");
 
   py::class_<SpaceTimeOptions>(m, "SolveOptions", py::module_local(), "Settings of the space-time solve.")
       .def(py::init(&makeOptions), py::arg("samples") = 100, py::arg("lambda_weight") = 10.0,
@@ -88,7 +99,10 @@ void bind_solver(py::module_& m) {
 
   py::class_<SolveOutput>(m, "SpaceTimeResult", py::module_local(), "What a solve returns.")
       .def_property_readonly(
-          "field", [](const SolveOutput& r) { return ParameterizedFieldHandle{r.mesh, r.result.field}; },
+          "field",
+          [](const SolveOutput& r) {
+            return ParameterizedFieldHandle{r.mesh, r.result.field};
+          },
           "The field as a ParameterizedField.")
       .def_property_readonly("iterations", [](const SolveOutput& r) { return r.result.iterations; })
       .def_property_readonly(
@@ -97,17 +111,20 @@ void bind_solver(py::module_& m) {
           "components_without_constraint", [](const SolveOutput& r) { return r.result.componentsWithoutConstraint; },
           "Components of the mesh that no constraint touches: their field is zero.");
 
-  bindJob<Job<SolveOutput>>(m, "SolveJob", "A space-time solve on a thread of its own.",
+  bindJob<Job<SolveOutput>>(m, "SpaceTimeJob", "A space-time solve on a thread of its own.",
                             [](const SolveOutput& r) { return r; });
 
   m.def("solve", &solve, py::arg("mesh"), py::arg("constraints"), py::arg("options") = SpaceTimeOptions(),
         py::arg("progress") = py::none(), py::arg("warm_start") = py::none(),
-        "Solve for the field on mesh x lambda. warm_start: a ParameterizedField to start from, with as many vertices and\n"
+        "Solve for the field on mesh x lambda. warm_start: a ParameterizedField to start from, with as many vertices "
+        "and\n"
         "samples. Raises InputError (no constraints, bad or contradicting ones), SolverError, Cancelled.");
-  m.def("start_solve", &startSolve, py::arg("mesh"), py::arg("constraints"), py::arg("options") = SpaceTimeOptions(),
-        py::arg("progress") = py::none(), py::arg("warm_start") = py::none(), "The same without waiting: a SolveJob.");
+  m.def("start_space_time_solve", &startSolve, py::arg("mesh"), py::arg("constraints"),
+        py::arg("options") = SpaceTimeOptions(), py::arg("progress") = py::none(), py::arg("warm_start") = py::none(),
+        "The same without waiting: a SpaceTimeJob.");
   m.def("even_speed", &evened, py::arg("field"), py::arg("amount"), py::arg("reach"),
-        "The field with its speed evened out: amount 0 (as it is) to 1 (the same speed everywhere, falling to 0 over the\n"
+        "The field with its speed evened out: amount 0 (as it is) to 1 (the same speed everywhere, falling to 0 over "
+        "the\n"
         "length reach, in mesh units, around fixed points). Fixed points and their indices stay.");
 }
 

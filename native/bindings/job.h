@@ -3,8 +3,8 @@
 // The thread never touches Python: the work gets plain C++ data and a Progress, and its result (or exception) waits
 // until it is asked for. A job that Python lets go of is cancelled and waited for.
 //
-//   auto job = std::make_shared<Job<SpaceTimeResult>>([=](Progress& progress) { return solver->solve(..., progress); });
-//   bindJob<Job<SpaceTimeResult>>(m, "SolveJob", "...", [](const SpaceTimeResult& r) { return toPython(r); });
+//   auto job = std::make_shared<Job<SpaceTimeResult>>([=](Progress& progress) { return solver->solve(..., progress);
+//   }); bindJob<Job<SpaceTimeResult>>(m, "SolveJob", "...", [](const SpaceTimeResult& r) { return toPython(r); });
 //
 // The work must not capture Python objects: its captures end on the other thread.
 #pragma once

@@ -9,7 +9,7 @@ PYBIND11_MODULE(stormfield_native, m) {
   bind_mesh(m);
   bind_field(m);
   bind_topology(m);
-  bind_design(m);
   bind_solver(m);
+  bind_design(m);
   bind_io(m);
 }
