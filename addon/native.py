@@ -1,0 +1,83 @@
+"""The compiled core, checked before anyone uses it. Nothing else imports `stormfield_native`.
+
+    from . import native
+    native.TriangleMesh(vertices, triangles)    # loads the core on first use
+    native.check()                              # raises NativeError when it cannot be used
+"""
+
+import importlib
+import importlib.util
+import sys
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+MODULE = "stormfield_native"
+
+
+class NativeError(ImportError):
+    """The compiled core cannot be used; the message says why, and the cure."""
+
+
+@cache
+def load() -> ModuleType:
+    """The module `stormfield_native` of this Python and this version of Stormfield."""
+    if MODULE not in sys.modules:
+        _import_blender_first()
+    try:
+        module = importlib.import_module(MODULE)
+    except ModuleNotFoundError as error:
+        if error.name != MODULE:
+            raise
+        raise NativeError(_missing()) from None
+    except ImportError as error:
+        raise NativeError(_unloadable(str(error))) from error
+    from . import __version__
+
+    found = getattr(module, "__version__", "without a version")
+    if found != __version__:
+        raise NativeError(
+            f"The compiled core is version {found}, Stormfield is version {__version__}: "
+            "install both from the same package, and restart"
+        )
+    return module
+
+
+def check() -> None:
+    """Raises NativeError when the core is missing, of another version, or cannot be loaded."""
+    load()
+
+
+def __getattr__(name: str) -> Any:
+    if name.startswith("__"):
+        raise AttributeError(name)
+    return getattr(load(), name)
+
+
+def _import_blender_first() -> None:
+    """The bpy wheel brings a oneTBB newer than the system's; whichever is loaded first serves both (DESIGN 2, 10)."""
+    if "bpy" in sys.modules or importlib.util.find_spec("bpy") is None:
+        return
+    importlib.import_module("bpy")
+
+
+def _python() -> str:
+    return f"{sys.version_info.major}.{sys.version_info.minor}"
+
+
+def _missing() -> str:
+    return (
+        f"The compiled core is missing: install the wheel of Stormfield for Python {_python()} "
+        "(Blender 4.5 has Python 3.11, Blender 5.2 has Python 3.13)"
+    )
+
+
+def _unloadable(reason: str) -> str:
+    if "undefined symbol" in reason and "tbb" in reason:
+        return (
+            "The compiled core was loaded before Blender's own libraries: import bpy before stormfield, and restart "
+            "this Python"
+        )
+    if "Python version mismatch" in reason or "undefined symbol: Py" in reason or "_Py" in reason:
+        return f"The compiled core belongs to another Python: install the wheel for Python {_python()}"
+    return f"The compiled core cannot be loaded ({reason}): install the wheel of Stormfield for Python {_python()} again"

@@ -1,0 +1,141 @@
+"""Design and mesh → solved fields. The work runs on a thread of the compiled core; nothing here blocks but `result()`.
+
+    job = start_solve(mesh, design)
+    while not job.done: ...             # job.fraction, job.cancel()
+    solution = job.result()             # raises InputError, SolverError or Cancelled
+    solution.fields["orientation"].at(0.3)
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import native
+from .model.design import FIELDS, Design, Element
+from .model.errors import InputError
+from .model.mesh_data import MeshData
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The solved fields of one mesh: native ParameterizedField by name, samples at `lambdas` (s,)."""
+
+    lambdas: np.ndarray
+    fields: Mapping[str, Any]
+    fingerprint: str  #: of the mesh
+    notes: tuple[str, ...] = ()  #: what the artist should know: parts of the mesh without field
+    iterations: Mapping[str, int] | None = None
+
+
+class SolveJob:
+    """A running solve. A job that is dropped is cancelled."""
+
+    def __init__(self, mesh: MeshData, design: Design, warm_start: Solution | None = None) -> None:
+        design.check()
+        self._fingerprint = mesh.fingerprint()
+        self._solves = _distinct(design)
+        native.check()
+        try:
+            surface = native.TriangleMesh(mesh.vertices, mesh.triangles)
+            lists = [[_native_element(element) for element in elements] for _, elements in self._solves]
+            for elements in lists:
+                native.check_elements(elements)
+        except native.InputError as fault:
+            raise InputError(str(fault)) from fault
+        self._mesh = surface
+        self._job = native.start_solve(
+            surface,
+            lists,
+            samples=design.settings.samples,
+            lambda_weight=design.settings.lambda_weight,
+            tolerance=design.settings.tolerance,
+            even_speed=design.settings.even_speed,
+            lambda_per_second=design.settings.lambda_per_second,
+            warm_start=[_warm(warm_start, names[0], self._fingerprint) for names, _ in self._solves],
+        )
+
+    @property
+    def fraction(self) -> float:
+        """Part of the work that is done, 0 to 1."""
+        return self._job.fraction
+
+    @property
+    def done(self) -> bool:
+        """Whether the work has ended, by itself or not."""
+        return self._job.done
+
+    def cancel(self) -> None:
+        """Ask the work to stop; it does within 0.1 s, and `result()` raises native.Cancelled."""
+        self._job.cancel()
+
+    def result(self) -> Solution:
+        """Waits. Raises InputError for a fault of the design, native.SolverError, native.Cancelled."""
+        try:
+            solved = self._job.result()
+        except native.InputError as fault:
+            raise InputError(str(fault)) from fault
+        fields, iterations, notes = {}, {}, []
+        for (names, _), result in zip(self._solves, solved, strict=True):
+            for name in names:
+                fields[name] = result.field
+                iterations[name] = result.iterations
+            notes += _notes(self._mesh, names, result.components_without_constraint)
+        lambdas = np.array(fields[FIELDS[0]].lambdas)
+        return Solution(lambdas, fields, self._fingerprint, tuple(notes), iterations)
+
+
+def start_solve(mesh: MeshData, design: Design, warm_start: Solution | None = None) -> SolveJob:
+    """Starts to solve both fields. A warm start from another mesh or number of samples is passed over.
+
+    Raises InputError at once for faults that need no solve; the others come from the job's result().
+    """
+    return SolveJob(mesh, design, warm_start)
+
+
+Solve = tuple[tuple[str, ...], tuple[Element, ...]]
+
+
+def _distinct(design: Design) -> list[Solve]:
+    """What must be solved: names of fields, and their elements.
+
+    Fields with the same elements are solved once; a field without elements of its own is the same as the other.
+    """
+    of = {name: design.elements_of(name) for name in FIELDS}
+    told = {name: elements or of[other] for (name, elements), other in zip(of.items(), reversed(FIELDS), strict=True)}
+    if told[FIELDS[0]] == told[FIELDS[1]]:
+        return [(FIELDS, told[FIELDS[0]])]
+    return [((name,), elements) for name, elements in told.items()]
+
+
+def _native_element(element: Element):
+    return native.DesignElement(
+        element.name,
+        element.type,
+        np.array(element.points, dtype=np.float64),
+        lam=list(element.lam),
+        kind=element.kind,
+        strength=element.strength,
+        radius=element.radius,
+        angle=element.angle,
+        direction=element.direction,
+        hard=element.hard,
+    )
+
+
+def _warm(solution: Solution | None, name: str, fingerprint: str):
+    return solution.fields.get(name) if solution is not None and solution.fingerprint == fingerprint else None
+
+
+def _notes(mesh, names: tuple[str, ...], components: list[int]) -> list[str]:
+    """Components that no element reaches: their field is zero."""
+    notes = []
+    for component in components:
+        vertices = np.flatnonzero(mesh.components == component)
+        which = " and ".join(names)
+        notes.append(
+            f"no element of the {which} field reaches part {component + 1} of {mesh.component_count} of the mesh "
+            f"({len(vertices)} vertices, the first is {vertices[0]}): its field is zero; add an element there"
+        )
+    return notes
