@@ -14,7 +14,7 @@ again at once, another design gets another folder, and undo finds the earlier on
 import hashlib
 import time
 from collections.abc import Callable, Generator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -46,6 +46,7 @@ class Step:
     fraction: float  #: of the whole, 0..1
     message: str
     waiting: bool = False  #: nothing to do here for some hundredths of a second
+    notes: tuple[str, ...] = ()  #: what the artist should know although nothing is wrong
 
 
 Steps = Generator[Step, None, Result]
@@ -112,24 +113,31 @@ def solve_steps(
     polygons: Polygons | Sequence[np.ndarray] | None = None,
     *,
     folder: Path | None = None,
+    resume: bool = True,
     warm_start=None,
 ) -> Steps[Path]:
-    """Solves a design into its λ cache, root/lambda-<key>, or `folder`; returns that folder. A finished one is kept."""
+    """Solves a design into its λ cache, root/lambda-<key>, or `folder`; returns that folder.
+
+    resume: samples that are there already, from the same design and mesh, are kept.
+    """
     design.check()
     settings = {"design": design.to_json(), "stormfield": __version__}
-    lambdas = np.linspace(0.0, 1.0, design.settings.samples) if design.settings.samples > 1 else np.zeros(1)
+    lambdas = np.linspace(0.0, 1.0, design.settings.samples)
     target = folder or Path(root) / _key(
         "lambda", Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)
     )
     yield Step(0.0, "Looking for finished samples")
-    writer = FieldCacheWriter(target, mesh, lambdas, settings, polygons=_polygons(polygons), resume=folder is None)
+    writer = FieldCacheWriter(target, mesh, lambdas, settings, polygons=_polygons(polygons), resume=resume)
     missing = writer.missing()
     if missing:
         solution = yield from _solve(mesh, design, warm_start)
         if len(solution.lambdas) != len(lambdas):
             raise InputError(f"the solve gave {len(solution.lambdas)} samples instead of {len(lambdas)}")
         for done, j in enumerate(missing):
-            yield Step(_between(SOLVE_PART, 1.0, done / len(missing)), f"Writing sample {j + 1} of {len(lambdas)}")
+            notes = solution.notes if done == 0 else ()
+            yield Step(
+                _between(SOLVE_PART, 1.0, done / len(missing)), f"Writing sample {j + 1} of {len(lambdas)}", notes=notes
+            )
             writer.write_sample(j, fields.attributes_of(solution, j))
     yield Step(1.0, "Joining the samples")
     writer.finish()
@@ -278,7 +286,7 @@ def _scaled(steps: Steps[Result], start: float, end: float) -> Steps[Result]:
     try:
         while True:
             step = next(steps)
-            yield Step(_between(start, end, step.fraction), step.message, step.waiting)
+            yield replace(step, fraction=_between(start, end, step.fraction))
     except StopIteration as stop:
         return stop.value
     finally:

@@ -28,6 +28,8 @@ artist's polygons, therefore, not their triangles: MeshData alone does not know 
 """
 
 import errno
+import importlib
+import importlib.util
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -62,27 +64,16 @@ class Polygons:
 
 @cache
 def usd() -> SimpleNamespace:
-    """The modules of pxr: Blender's own when bpy is loaded (two USDs in one process crash), else those of usd-core."""
-    if "bpy" not in sys.modules:
-        try:
-            from pxr import Sdf, Tf, Usd, UsdGeom, Vt
-        except ImportError:
-            _import_bpy()
-        else:
-            return SimpleNamespace(Sdf=Sdf, Tf=Tf, Usd=Usd, UsdGeom=UsdGeom, Vt=Vt)
-    bpy = sys.modules["bpy"]
-    if "pxr" not in sys.modules and hasattr(bpy.utils, "expose_bundled_modules"):
-        bpy.utils.expose_bundled_modules()
-    from pxr import Sdf, Tf, Usd, UsdGeom, Vt
-
-    return SimpleNamespace(Sdf=Sdf, Tf=Tf, Usd=Usd, UsdGeom=UsdGeom, Vt=Vt)
-
-
-def _import_bpy() -> None:
+    """The modules of pxr: Blender's own where bpy is installed (two USDs in one process may crash), else usd-core's."""
+    if "bpy" in sys.modules or importlib.util.find_spec("bpy") is not None:
+        bpy = importlib.import_module("bpy")
+        if "pxr" not in sys.modules and hasattr(bpy.utils, "expose_bundled_modules"):
+            bpy.utils.expose_bundled_modules()
     try:
-        import bpy  # noqa: F401
+        from pxr import Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError as error:
         raise InputError(f"no USD for Python here ({error}); install usd-core, or run inside Blender") from error
+    return SimpleNamespace(Sdf=Sdf, Tf=Tf, Usd=Usd, UsdGeom=UsdGeom, Vt=Vt)
 
 
 def write_sample(path: Path, time_code: float, attributes: Attributes) -> None:

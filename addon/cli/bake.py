@@ -1,0 +1,103 @@
+"""stormfield bake SCENE.blend: the scene's bakes, as the add-on's own buttons would run them."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..model.errors import InputError
+from . import cli
+from .progress import progress
+
+
+@cli.command()
+@click.argument("scene", type=click.Path())
+@click.option("--targets", default="usd", show_default=True, help="Comma separated: usd, exr, vdb.")
+@click.option("--frames", help="A-B: the part of the scene's frames to write here, for one machine of many.")
+@click.option("--resume", is_flag=True, help="Keep finished samples and frames.")
+@click.option("--save", is_flag=True, help="Save the scene with the caches attached.")
+def bake(scene: str, targets: str, frames: str | None, resume: bool, save: bool) -> None:
+    """Solve and bake every field of SCENE.blend."""
+    wanted = _targets(targets)
+    only = _frames(frames)
+    path = Path(scene)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; check the name")
+    bpy = _blender()
+    _open(bpy, path)
+    objects = [obj for obj in bpy.context.scene.objects if obj.type == "MESH" and obj.stormfield.enabled]
+    if not objects:
+        raise InputError(f"{path}: no object has a Stormfield field; add one in Blender's sidebar, tab Stormfield")
+    for obj in objects:
+        _bake(bpy, obj, wanted, only, resume)
+    if save:
+        bpy.ops.wm.save_mainfile()
+
+
+def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | None, resume: bool) -> None:
+    from dataclasses import replace
+
+    from ..bake import job
+    from ..convert import attach, folders
+    from ..convert.bake_task import read_bake_task
+    from ..convert.mesh_arrays import read_polygons
+    from ..convert.scene import read_design
+
+    mesh, design = read_design(bpy.context, obj)
+    with progress(f"Solving '{obj.name}'") as show:
+        folder = job.run(job.solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj)), show)
+    attach.attach_lambda(obj, folder)
+    task = replace(read_bake_task(bpy.context, obj, folder), targets=targets, only=only, resume=resume)
+    with progress(f"Baking '{obj.name}'") as show:
+        result = job.run(job.bake_steps(task), show)
+    if result.whole and "usd" in result.folders:
+        attach.attach_frames(obj, result.folders["usd"])
+    for target, written in result.folders.items():
+        click.echo(f"{obj.name}\t{target}\t{written}")
+    for remark in result.remarks:
+        click.echo(f"note: {remark}", err=True)
+
+
+def _targets(text: str) -> frozenset[str]:
+    known = ("usd", "exr", "vdb")
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    unknown = [name for name in names if name not in known]
+    if unknown or not names:
+        raise InputError(f"--targets {text!r}: {unknown[0] if unknown else 'nothing'}; choose from {', '.join(known)}")
+    return frozenset(names)
+
+
+def _frames(text: str | None) -> frozenset[int] | None:
+    if text is None:
+        return None
+    match = re.fullmatch(r"(-?\d+)(?:-(-?\d+))?", text.strip())
+    if match is None:
+        raise InputError(f"--frames {text!r}: give A-B, such as 1-120")
+    first = int(match[1])
+    last = first if match[2] is None else int(match[2])
+    if last < first:
+        raise InputError(f"--frames {text!r}: ends before it starts; exchange the two")
+    return frozenset(range(first, last + 1))
+
+
+def _blender() -> Any:
+    try:
+        import bpy
+    except ImportError as error:
+        raise InputError(
+            f".blend files need Blender ({error}); pip install bpy, or run blender --background"
+        ) from error
+    return bpy
+
+
+def _open(bpy: Any, path: Path) -> None:
+    from .. import register
+
+    if not hasattr(bpy.types.Object, "stormfield"):
+        register()
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()))
+    except RuntimeError as error:
+        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
+        raise InputError(f"{path}: Blender cannot open it ({reason})") from error

@@ -1,0 +1,68 @@
+"""stormfield solve DESIGN.json --out DIR: a design and its mesh → the λ cache."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..model.errors import InputError
+from . import cli
+from .output import Phases, describe_mesh, write_json
+from .progress import progress
+
+
+@cli.command()
+@click.argument("design", type=click.Path())
+@click.option("--out", required=True, type=click.Path(), help="Folder of the cache.")
+@click.option("--resume", is_flag=True, help="Keep finished samples of the same design.")
+@click.option("--json", "report", help="File for a report; - is standard output.")
+def solve(design: str, out: str, resume: bool, report: str | None) -> None:
+    """Solve DESIGN over λ and write its cache."""
+    from .. import native
+    from ..bake import job
+
+    phases = Phases()
+    with phases("read"):
+        mesh, elements = read_design(Path(design))
+    native.check()
+    with phases("solve"), progress("Solving") as show:
+        folder = job.run(job.solve_steps(mesh, elements, Path(out), folder=Path(out), resume=resume), show)
+    if report:
+        from ..bake.cache import open_cache
+
+        surface = native.TriangleMesh(mesh.vertices, mesh.triangles)
+        content = {
+            "schema": "stormfield.solve/1",
+            "mesh": describe_mesh(surface),
+            "lam": [float(lam) for lam in open_cache(folder).lambdas],
+            "cache": str(folder),
+            "seconds": phases.seconds,
+        }
+        write_json(report, content)
+
+
+def read_design(path: Path) -> tuple[Any, Any]:
+    """Mesh and design of a JSON file; a mesh file is looked for beside it."""
+    from ..model.design import Design
+    from ..model.mesh_data import MeshData
+    from ..readers import read_mesh
+
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; check the name") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read ({error})") from error
+    except ValueError as error:
+        raise InputError(f"{path}: is not JSON ({error})") from error
+    try:
+        design = Design.from_json(data)
+        source = data.get("mesh")
+        if source is None:
+            raise InputError('has no mesh; add "mesh": {"file": "name.ply"}, or vertices and triangles')
+        if "file" not in source:
+            return MeshData(source["vertices"], source["triangles"]), design
+    except InputError as fault:
+        raise InputError(f"{path}: {fault}") from fault
+    return read_mesh(path.parent / source["file"]), design

@@ -1,0 +1,62 @@
+"""Data sets → mesh and field, by the ending of the file: read_field() and read_mesh() are the doors.
+
+    .t                the format of the thesis's data: faces vertices, triangles, positions, vectors
+    folder            a baked λ cache
+    .npz .nc .nc4 .h5 .grib   wind on a latitude-longitude grid, put onto a sphere
+    anything else     what meshio reads (.ply, .vtk, .vtu, .obj, ...), vectors from its point data
+
+Faults of the data are InputError naming file, place and cure. No bpy, no native module.
+"""
+
+from pathlib import Path
+
+from ..model.errors import InputError
+from ..model.mesh_data import MeshData
+from .field_data import FieldData
+
+GRIDS = {".npz", ".nc", ".nc4", ".cdf", ".h5", ".grib", ".grib2"}
+#: Faces of the sphere that carries wind when nothing else is said.
+SPHERE_FACES = 20480
+
+
+def read_field(
+    path: str | Path, *, vector: str | None = None, sphere_faces: int | None = None, attribute: str = "sf_advection"
+) -> FieldData:
+    """vector: names of the point data, "name" or "x,y,z". sphere_faces: about so many, wind only. attribute: caches."""
+    path = _existing(path)
+    ending = path.suffix.lower()
+    if path.is_dir() or path.name == "field.usda":
+        from .cache_folder import read_cache
+
+        return read_cache(path, attribute)
+    if ending in GRIDS:
+        from .wind import read_wind
+
+        return read_wind(path, SPHERE_FACES if sphere_faces is None else sphere_faces)
+    if ending == ".t":
+        from .t_file import read_t
+
+        return read_t(path)
+    from .point_data import read_point_data
+
+    return read_point_data(path, vector)
+
+
+def read_mesh(path: str | Path) -> MeshData:
+    """The mesh of any of the files above, without a field."""
+    path = _existing(path)
+    if path.is_dir() or path.name == "field.usda" or path.suffix.lower() == ".t":
+        return read_field(path).mesh
+    from .point_data import read_surface
+
+    return read_surface(path)[0]
+
+
+def _existing(path: str | Path) -> Path:
+    path = Path(path)
+    if not path.exists():
+        raise InputError(f"{path}: no such file or folder; check the name")
+    return path
+
+
+__all__ = ["SPHERE_FACES", "FieldData", "read_field", "read_mesh"]

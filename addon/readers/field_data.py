@@ -1,0 +1,38 @@
+"""What every reader returns."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model.errors import InputError
+from ..model.mesh_data import MeshData
+
+
+@dataclass(frozen=True, eq=False)
+class FieldData:
+    """vectors (s, n, 3) float64 in space, one per sample and vertex; lambdas (s,) increasing in 0..1."""
+
+    mesh: MeshData
+    lambdas: np.ndarray
+    vectors: np.ndarray
+
+    def __post_init__(self) -> None:
+        wanted = (len(self.lambdas), len(self.mesh.vertices), 3)
+        if self.vectors.shape != wanted:
+            raise InputError(f"the field has shape {self.vectors.shape} on a mesh that needs {wanted}")
+        bad = np.argwhere(~np.isfinite(self.vectors).all(axis=2))
+        if len(bad):
+            raise InputError(f"the vector of vertex {bad[0][1]} is not finite; repair or remove it")
+
+    def at(self, lam: float) -> np.ndarray:
+        """(n, 3) at λ, linear between samples, constant outside."""
+        j = int(np.clip(np.searchsorted(self.lambdas, lam, side="right") - 1, 0, len(self.lambdas) - 1))
+        if j == len(self.lambdas) - 1 or lam <= self.lambdas[j]:
+            return self.vectors[j]
+        weight = (lam - self.lambdas[j]) / (self.lambdas[j + 1] - self.lambdas[j])
+        return (1.0 - weight) * self.vectors[j] + weight * self.vectors[j + 1]
+
+
+def steady(mesh: MeshData, vectors: np.ndarray) -> FieldData:
+    """A field that does not change with λ."""
+    return FieldData(mesh, np.zeros(1), np.asarray(vectors, np.float64)[None])

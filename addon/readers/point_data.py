@@ -1,0 +1,78 @@
+"""Surfaces with vectors at their points, in any format that meshio reads."""
+
+import contextlib
+import io
+from pathlib import Path
+
+import numpy as np
+
+from ..model.errors import InputError
+from ..model.mesh_data import MeshData
+from .field_data import FieldData, steady
+
+#: In these data sets nx, ny, nz are the vector, not a normal.
+DEFAULT_VECTOR = ("nx", "ny", "nz")
+
+
+def read_point_data(path: Path, vector: str | None) -> FieldData:
+    mesh, data = read_surface(path)
+    return steady(mesh, _vectors(path, data, vector))
+
+
+def read_surface(path: Path) -> tuple[MeshData, dict[str, np.ndarray]]:
+    """Mesh and point data; polygons become fans of triangles."""
+    import meshio
+
+    try:
+        # meshio announces problems on standard output and by SystemExit.
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            found = meshio.read(path)
+    except (Exception, SystemExit) as error:
+        reason = str(error).strip().splitlines()
+        said = f" ({reason[0]})" if reason and not reason[0].isdigit() else ""
+        raise InputError(f"{path}: is not a mesh that can be read{said}; use .t, .ply, .obj, .vtk or .vtu") from error
+    triangles = [_fans(block.data) for block in found.cells if block.type in {"triangle", "quad", "polygon"}]
+    if not triangles or not sum(map(len, triangles)):
+        raise InputError(f"{path}: has no faces; give a surface of triangles")
+    points = np.asarray(found.points, np.float64)
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
+        raise InputError(f"{path}: has points of shape {points.shape}; give x, y and z")
+    if points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    return MeshData(points, np.concatenate(triangles)), dict(found.point_data)
+
+
+def _fans(polygons) -> np.ndarray:
+    """Each polygon as triangles around its first corner."""
+    rows = [np.asarray(polygon) for polygon in polygons]
+    return np.array([[row[0], row[k], row[k + 1]] for row in rows for k in range(1, len(row) - 1)], np.int32).reshape(
+        -1, 3
+    )
+
+
+def _vectors(path: Path, data: dict[str, np.ndarray], vector: str | None) -> np.ndarray:
+    listed = ", ".join(sorted(data)) or "none"
+    if vector is not None:
+        names = tuple(name.strip() for name in vector.split(","))
+        missing = [name for name in names if name not in data]
+        if missing:
+            raise InputError(f"{path}: has no point data '{missing[0]}'; choose from: {listed}")
+    else:
+        names = _likely(data)
+        if names is None:
+            raise InputError(f"{path}: which point data is the field? choose with --vector from: {listed}")
+    columns = [np.asarray(data[name], np.float64).reshape(len(data[name]), -1) for name in names]
+    vectors = np.concatenate(columns, axis=1)
+    if vectors.shape[1] == 2:
+        vectors = np.column_stack([vectors, np.zeros(len(vectors))])
+    if vectors.shape[1] != 3:
+        raise InputError(f"{path}: {', '.join(names)} gives {vectors.shape[1]} numbers per vertex; name a vector of 3")
+    return vectors
+
+
+def _likely(data: dict[str, np.ndarray]) -> tuple[str, ...] | None:
+    """The only vector there is, or nx, ny, nz."""
+    if all(name in data for name in DEFAULT_VECTOR):
+        return DEFAULT_VECTOR
+    vectors = [name for name, values in data.items() if np.ndim(values) == 2 and np.shape(values)[1] == 3]
+    return (vectors[0],) if len(vectors) == 1 else None
