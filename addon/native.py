@@ -1,8 +1,8 @@
 """The compiled core, checked before anyone uses it. Nothing else imports `stormfield_native`.
 
-    from . import native
-    native.TriangleMesh(vertices, triangles)    # loads the core on first use
-    native.check()                              # raises NativeError when it cannot be used
+from . import native
+native.TriangleMesh(vertices, triangles)    # loads the core on first use
+native.check()                              # raises NativeError when it cannot be used
 """
 
 import importlib
@@ -80,4 +80,6 @@ def _unloadable(reason: str) -> str:
         )
     if "Python version mismatch" in reason or "undefined symbol: Py" in reason or "_Py" in reason:
         return f"The compiled core belongs to another Python: install the wheel for Python {_python()}"
-    return f"The compiled core cannot be loaded ({reason}): install the wheel of Stormfield for Python {_python()} again"
+    return (
+        f"The compiled core cannot be loaded ({reason}): install the wheel of Stormfield for Python {_python()} again"
+    )

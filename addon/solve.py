@@ -1,9 +1,9 @@
 """Design and mesh → solved fields. The work runs on a thread of the compiled core; nothing here blocks but `result()`.
 
-    job = start_solve(mesh, design)
-    while not job.done: ...             # job.fraction, job.cancel()
-    solution = job.result()             # raises InputError, SolverError or Cancelled
-    solution.fields["orientation"].at(0.3)
+job = start_solve(mesh, design)
+while not job.done: ...             # job.fraction, job.cancel()
+solution = job.result()             # raises InputError, SolverError or Cancelled
+solution.fields["orientation"].at(0.3)
 """
 
 from collections.abc import Mapping

@@ -87,7 +87,8 @@ class Element:
             raise InputError(f"{where} has no λ: give start and end, or one value per point")
         if len(self.lam) > 2 and len(self.lam) != len(self.points):
             raise InputError(
-                f"{where} has {len(self.lam)} λ values for {len(self.points)} points: give start and end, or one per point"
+                f"{where} has {len(self.lam)} λ values for {len(self.points)} points: "
+                "give start and end, or one per point"
             )
         for value in self.lam:
             if not 0.0 <= value <= 1.0:  # also refuses nan
@@ -169,7 +170,7 @@ def check_schema(data: Any) -> None:
 
     found = data.get("schema") if isinstance(data, dict) else None
     if found != SCHEMA:
-        raise InputError(f"schema: is {found!r}: a design says \"schema\": \"{SCHEMA}\"")
+        raise InputError(f'schema: is {found!r}: a design says "schema": "{SCHEMA}"')
     error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(_schema()).iter_errors(data))
     if error is None:
         return
@@ -205,9 +206,10 @@ def _said(error) -> str:
         case "maximum":
             return f"is {shown}: give at most {value}"
         case "minItems" | "maxItems":
-            return f"has {len(error.instance)} values: give at {'least' if error.validator == 'minItems' else 'most'} {value}"
+            bound = "least" if error.validator == "minItems" else "most"
+            return f"has {len(error.instance)} values: give at {bound} {value}"
         case "oneOf":
-            return "is neither {\"vertices\", \"triangles\"} nor {\"file\"}: give one of them"
+            return 'is neither {"vertices", "triangles"} nor {"file"}: give one of them'
     return f"{error.message}: see design.schema.json"
 
 
@@ -223,16 +225,21 @@ def _named(data: Any, path: Sequence[Any]) -> str:
 
 def _changed(value: Any) -> dict[str, Any]:
     """Fields of a dataclass whose value is not the default, as JSON knows them."""
+    # λ, the kind and the samples are said even when they are the default: a design file should tell its story.
+    told = {"lam", "kind", "samples"}
     result = {}
     for each in fields(value):
         content = getattr(value, each.name)
-        # λ and the kind are said even when they are the default: a design file should tell its story.
-        if content == each.default and each.name not in ("lam", "kind", "samples"):
+        if content == each.default and each.name not in told:
             continue
         if each.name == "kind" and value.type != "singular":
             continue
-        result[each.name] = [list(v) if isinstance(v, tuple) else v for v in content] if isinstance(content, tuple) else content
+        result[each.name] = _listed(content)
     return result
+
+
+def _listed(content: Any) -> Any:
+    return [_listed(item) for item in content] if isinstance(content, tuple) else content
 
 
 def _vector(values: Sequence[float]) -> Vector:

@@ -10,8 +10,16 @@ namespace stormfield {
 /// Written by the worker (report, check), read and cancelled by the watcher. All members are thread-safe.
 class Progress {
  public:
-  /// Done so far, 0..1.
-  void report(double fraction) noexcept { fraction_.store(fraction, std::memory_order_relaxed); }
+  /// Done so far, 0..1 of the current range.
+  void report(double fraction) noexcept {
+    fraction_.store(from_ + fraction * (to_ - from_), std::memory_order_relaxed);
+  }
+  /// What follows is this part of the whole; called by the worker between its phases, while nothing reports.
+  void range(double from, double to) noexcept {
+    from_ = from;
+    to_ = to;
+    report(0.0);
+  }
   double fraction() const noexcept { return fraction_.load(std::memory_order_relaxed); }
 
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
@@ -25,6 +33,7 @@ class Progress {
  private:
   std::atomic<double> fraction_{0.0};
   std::atomic<bool> cancelled_{false};
+  double from_ = 0.0, to_ = 1.0;
 };
 
 }  // namespace stormfield

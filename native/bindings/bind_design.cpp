@@ -46,7 +46,8 @@ SolvedFields solveAll(const MeshPointer& mesh, const ElementLists& lists, const 
   SolvedFields solved;
   for (std::size_t i = 0; i < lists.size(); ++i) {
     const bool warmed = i < warm.size() && warm[i] && warm[i]->vertexCount() == mesh->mesh().vertexCount();
-    SpaceTimeResult result = solver.solve(lists[i], progress, warmed ? &*warm[i] : nullptr);
+    SpaceTimeResult result = solver.solve(lists[i], progress, warmed ? &*warm[i] : nullptr, static_cast<int>(i),
+                                          static_cast<int>(lists.size()));
     solved.push_back(std::make_shared<SolvedField>(SolvedField{{mesh, std::move(result.field)},
                                                                result.iterations,
                                                                result.residual,

@@ -1,5 +1,11 @@
 #include "design/design_solve.h"
 
+#include <algorithm>
+
+#include "base/error.h"
+#include "design/even_speed.h"
+#include "design/region.h"
+
 namespace stormfield {
 
 namespace {
@@ -12,20 +18,41 @@ SpaceTimeOptions solverOptions(const DesignOptions& options) {
   return result;
 }
 
+/// The speed falls over the core of the smallest singular element; where there is none, over a part of the surface.
+double evenSpeedReach(const std::vector<DesignElement>& elements, double size) {
+  constexpr double kPartOfSize = 0.05;
+  double reach = kPartOfSize * size;
+  for (const DesignElement& element : elements)
+    if (element.type == ElementType::Singular) reach = std::min(reach, kCore * element.radius);
+  return reach;
+}
+
 }  // namespace
 
 DesignSolver::DesignSolver(std::shared_ptr<const VertexCharts> charts, const DesignOptions& options,
                            const Progress& progress)
-    : charts_(std::move(charts)), options_(options), solver_(charts_, solverOptions(options), progress) {}
+    : charts_(std::move(charts)), options_(options), solver_(charts_, solverOptions(options), progress) {
+  if (!(options.evenSpeed >= 0.0 && options.evenSpeed <= 1.0))
+    throw InputError("even speed is " + shortNumber(options.evenSpeed) + ": give a number from 0 to 1");
+  if (!(options.lambdaPerSecond > 0.0))
+    throw InputError("lambda per second is " + shortNumber(options.lambdaPerSecond) + ": give a number above 0");
+}
 
 SpaceTimeResult DesignSolver::solve(const std::vector<DesignElement>& elements, Progress& progress,
-                                    const ParameterizedField* warmStart) const {
+                                    const ParameterizedField* warmStart, int part, int parts) const {
+  constexpr double kConstraintsPart = 0.3;
+  const double begin = static_cast<double>(part) / parts, end = static_cast<double>(part + 1) / parts;
+  progress.range(begin, begin + kConstraintsPart * (end - begin));
   ElementOptions elementOptions;
   elementOptions.samples = options_.samples;
   elementOptions.lambdaPerSecond = options_.lambdaPerSecond;
-  const ConstraintSet constraints = elementConstraints(charts_, elements, elementOptions, progress);
+  const ConstraintSet constraints = elementConstraints(charts_, elements, elementOptions, &progress);
+  progress.range(begin + kConstraintsPart * (end - begin), end);
   if (warmStart && warmStart->sampleCount() != options_.samples) warmStart = nullptr;
-  return solver_.solve(constraints, progress, warmStart);
+  SpaceTimeResult result = solver_.solve(constraints, progress, warmStart);
+  if (options_.evenSpeed > 0.0)
+    result.field = evenSpeed(result.field, options_.evenSpeed, evenSpeedReach(elements, charts_->mesh().size()));
+  return result;
 }
 
 }  // namespace stormfield

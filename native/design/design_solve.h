@@ -13,7 +13,7 @@ struct DesignOptions {
   Index samples = 100;
   double lambdaWeight = 10.0;    ///< omega of thesis eq. 11.3
   double tolerance = 1e-4;       ///< relative residual of the solve
-  double evenSpeed = 0.0;        ///< 0: speeds as solved, 1: one speed with a smooth fall to fixed points
+  double evenSpeed = 0.0;        ///< 0: speeds as solved, 1: one speed, falling to 0 at fixed points only
   double lambdaPerSecond = 1.0;  ///< s in d lambda = s dt, for pathlines
 };
 
@@ -25,8 +25,9 @@ class DesignSolver {
 
   /// Throws what elementConstraints and SpaceTimeSolver::solve throw. A warm start from another number of samples is
   /// passed over.
+  /// `part` of `parts` says which share of the progress this solve is.
   SpaceTimeResult solve(const std::vector<DesignElement>& elements, Progress& progress,
-                        const ParameterizedField* warmStart = nullptr) const;
+                        const ParameterizedField* warmStart = nullptr, int part = 0, int parts = 1) const;
 
  private:
   std::shared_ptr<const VertexCharts> charts_;

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -96,7 +97,7 @@ std::vector<double> lambdaSamples(Index samples) {
 
 ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& charts,
                                  const std::vector<DesignElement>& given, const ElementOptions& options,
-                                 const Progress& progress) {
+                                 Progress* progress) {
   checkElements(given);
   if (options.samples < 1)
     throw InputError("the design has " + std::to_string(options.samples) + " samples: give at least 1");
@@ -116,12 +117,14 @@ ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& char
   const std::vector<double> lambdas = lambdaSamples(options.samples);
   const double step = options.samples > 1 ? lambdas[1] : 1.0;
   std::vector<std::vector<Target>> targets(lambdas.size());
+  std::atomic<std::size_t> done{0};
   tbb::parallel_for(std::size_t{0}, lambdas.size(), [&](std::size_t j) {
-    progress.check();
+    if (progress) progress->check();
     std::vector<Target> sample;
     singular.addAt(lambdas[j], step, scratch.local(), sample);
     for (const OtherTargets& other : others) other.addAt(lambdas[j], step, scratch.local(), sample);
     targets[j] = Sample(elements, lambdas[j]).reduce(std::move(sample));
+    if (progress) progress->report(static_cast<double>(++done) / static_cast<double>(lambdas.size()));
   });
 
   ConstraintSet set;

@@ -35,6 +35,6 @@ std::vector<double> lambdaSamples(Index samples);
 /// for contradicting vectors at one vertex and lambda (names both); Cancelled through progress.
 ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& charts,
                                  const std::vector<DesignElement>& elements, const ElementOptions& options,
-                                 const Progress& progress = {});
+                                 Progress* progress = nullptr);
 
 }  // namespace stormfield

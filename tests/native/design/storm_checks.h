@@ -1,0 +1,128 @@
+// What the field must show of a design with storms: zeros on the paths, and no others nearby (issue of the storm
+// merge).
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "design/element_constraints.h"
+#include "design/space_time_solver.h"
+#include "design/surface_path.h"
+#include "topology/fixed_points.h"
+#include "tracing/surfaces.h"
+
+namespace stormfield::storms {
+
+using surfaces::ChartsPointer;
+
+inline DesignElement singular(const std::string& name, SingularKind kind, std::vector<Vec3> points,
+                              std::vector<double> lambdas, double radius) {
+  DesignElement element;
+  element.name = name;
+  element.kind = kind;
+  element.points = std::move(points);
+  element.lambdas = std::move(lambdas);
+  element.radius = radius;
+  return element;
+}
+
+/// a and b meet in `meeting` at lambda 0.6, from where they go on to `last` as one.
+inline std::vector<DesignElement> merge(SingularKind kind, const Vec3& a, const Vec3& b, const Vec3& meeting,
+                                        const Vec3& last, double radius) {
+  return {singular("a", kind, {a, meeting}, {0.0, 0.6}, radius), singular("b", kind, {b, meeting}, {0.0, 0.6}, radius),
+          singular("one", kind, {meeting, last}, {0.6, 1.0}, radius)};
+}
+
+/// The same backwards in lambda.
+inline std::vector<DesignElement> reversed(std::vector<DesignElement> elements) {
+  for (DesignElement& e : elements) {
+    std::reverse(e.points.begin(), e.points.end());
+    e.lambdas = {1.0 - e.lambdas[1], 1.0 - e.lambdas[0]};
+  }
+  return elements;
+}
+
+inline SpaceTimeResult solved(const ChartsPointer& charts, const std::vector<DesignElement>& elements, Index samples,
+                              double tolerance = 1e-4) {
+  ElementOptions options;
+  options.samples = samples;
+  SpaceTimeOptions solve;
+  solve.samples = samples;
+  solve.tolerance = tolerance;
+  Progress progress;
+  return SpaceTimeSolver(charts, solve).solve(elementConstraints(charts, elements, options), progress);
+}
+
+/// Fixed points of sample j by distance from the closest of the paths that are there at its lambda: every path has its
+/// storm within one edge, turning its way; around the storms there is one saddle fewer than storms.
+/// Returns the number of fixed points in the neighbourhood of the storms (`radius` around each).
+inline std::size_t checkSample(const SpaceTimeResult& result, const std::vector<DesignElement>& elements, Index j,
+                               double lambdaC, bool mergeAtC) {
+  const TriangleMesh& mesh = result.field.charts->mesh();
+  const ClosestPointQuery query(result.field.charts->meshPointer());
+  const double lambda = result.field.lambdas[j];
+  const std::vector<FixedPoint> found = findFixedPoints(sampleField(result.field, j));
+  std::vector<char> taken(found.size(), 0);
+  std::vector<Vec3> places;
+  for (const DesignElement& element : elements) {
+    const bool single = element.name == "one";
+    const bool before = lambda < lambdaC - 1e-9, at = std::abs(lambda - lambdaC) <= 1e-9;
+    if (single != (at || before != mergeAtC)) continue;
+    const Vec3 place = SurfacePath(mesh, query, element).positionAt(lambda);
+    places.push_back(place);
+    std::size_t best = found.size();
+    double distance = 1e9;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const double d = (found[k].position - place).norm();
+      if (found[k].index == 1 && !taken[k] && d < distance) {
+        best = k;
+        distance = d;
+      }
+    }
+    EXPECT_LT(distance, mesh.meanEdgeLength()) << element.name << " at lambda " << lambda;
+    if (best == found.size()) continue;
+    taken[best] = 1;
+    const Complex rot = rotation(element.kind);
+    const double trace = found[best].jacobian.trace(), turn = found[best].rotation;
+    if (std::abs(rot.imag()) > 0.1) {
+      EXPECT_GT(turn * rot.imag(), 0.0) << element.name << " at lambda " << lambda;
+    }
+    if (std::abs(rot.real()) > 0.1) {
+      EXPECT_GT(trace * rot.real(), 0.0) << element.name << " at lambda " << lambda;
+    }
+  }
+  std::size_t nearby = 0;
+  int sum = 0;
+  for (const FixedPoint& p : found) {
+    const bool near = std::any_of(places.begin(), places.end(), [&](const Vec3& place) {
+      return (p.position - place).norm() < elements.front().radius;
+    });
+    nearby += near;
+    sum += p.index;
+  }
+  if (mesh.boundaryLoopCount() == 0) {
+    EXPECT_EQ(sum, mesh.eulerCharacteristic()) << "lambda " << lambda;
+  }
+  return nearby;
+}
+
+/// Before lambdaC (after it, for a split) two storms, after it one, and no other change of their neighbourhood than the
+/// saddle that comes near.
+inline void checkMerge(const SpaceTimeResult& result, const std::vector<DesignElement>& elements, double lambdaC,
+                       bool merge = true) {
+  for (Index j = 0; j < result.field.sampleCount(); ++j) {
+    const std::size_t nearby = checkSample(result, elements, j, lambdaC, merge);
+    const double lambda = result.field.lambdas[j];
+    const bool single = merge ? lambda >= lambdaC - 1e-9 : lambda <= lambdaC + 1e-9;
+    if (single) {
+      EXPECT_EQ(nearby, 1u) << "lambda " << lambda;
+    } else {
+      EXPECT_TRUE(nearby == 2 || nearby == 3) << nearby << " at lambda " << lambda;
+    }
+  }
+}
+
+}  // namespace stormfield::storms

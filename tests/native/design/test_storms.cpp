@@ -1,0 +1,163 @@
+#include "storm_checks.h"
+
+#include "design/junction.h"
+
+namespace stormfield {
+namespace {
+
+using namespace storms;
+
+Vec3 onSphere(double longitude, double latitude) {
+  return {std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude)};
+}
+
+/// A sphere with hills and hollows of a tenth of its radius.
+ChartsPointer bumpySphere(Index n) {
+  const ChartsPointer round = surfaces::sphere(n);
+  Points points = round->mesh().points();
+  for (Index v = 0; v < points.rows(); ++v) {
+    const Vec3 p = points.row(v);
+    points.row(v) = p * (1.0 + 0.1 * std::sin(4.0 * p.x()) * std::cos(5.0 * p.y()) + 0.05 * std::sin(6.0 * p.z()));
+  }
+  return surfaces::charts(points, round->mesh().triangles());
+}
+
+std::vector<DesignElement> onTheSphere(SingularKind kind) {
+  return merge(kind, onSphere(-0.9, 0.25), onSphere(0.8, -0.2), onSphere(0.0, 0.0), onSphere(0.1, 0.3), 0.45);
+}
+
+struct Case {
+  const char* name;
+  SingularKind kind;
+};
+
+class StormsOfKind : public testing::TestWithParam<SingularKind> {};
+
+TEST_P(StormsOfKind, MergeOnTheSphere) {
+  const auto elements = onTheSphere(GetParam());
+  checkMerge(solved(surfaces::sphere(14), elements, 41), elements, 0.6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, StormsOfKind,
+                         testing::Values(SingularKind::VortexCcw, SingularKind::SpiralInCw, SingularKind::SpiralOutCcw,
+                                         SingularKind::Source, SingularKind::Sink),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+TEST(Storms, SplitOnTheSphere) {
+  const auto elements = reversed(onTheSphere(SingularKind::SpiralInCcw));
+  checkMerge(solved(surfaces::sphere(14), elements, 50), elements, 0.4, false);
+}
+
+TEST(Storms, MergeAndSplitOnABumpySphere) {
+  auto elements = onTheSphere(SingularKind::VortexCw);
+  for (DesignElement& e : elements) e.radius = 0.4;
+  const auto charts = bumpySphere(18);
+  checkMerge(solved(charts, elements, 40), elements, 0.6);
+  const auto backwards = reversed(elements);
+  checkMerge(solved(charts, backwards, 40), backwards, 0.4, false);
+}
+
+TEST(Storms, MergeOnATorus) {
+  const auto on = [](double u, double v) {
+    return Vec3((1.0 + 0.4 * std::cos(v)) * std::cos(u), (1.0 + 0.4 * std::cos(v)) * std::sin(u), 0.4 * std::sin(v));
+  };
+  const auto elements = merge(SingularKind::SpiralInCcw, on(-0.6, 0.1), on(0.6, -0.3), on(0.0, 0.0), on(0.1, 0.4), 0.3);
+  checkMerge(solved(surfaces::torus(60, 32, 0.4, 0.15), elements, 40), elements, 0.6);
+}
+
+TEST(Storms, MergeOnASquareWithBoundary) {
+  const auto elements = merge(SingularKind::VortexCcw, {-0.6, 0.2, 0}, {0.5, -0.3, 0}, {0, 0, 0}, {0.1, 0.3, 0}, 0.4);
+  checkMerge(solved(surfaces::square(40, 0.2), elements, 60), elements, 0.6);
+}
+
+TEST(Storms, OneMayWaitForTheOther) {
+  auto elements = onTheSphere(SingularKind::VortexCcw);
+  elements[0].points = {onSphere(0.0, 0.0)};
+  checkMerge(solved(surfaces::sphere(14), elements, 41), elements, 0.6);
+}
+
+// The saddle between two storms of one path each must not be closer to a path than the path's own storm.
+TEST(Storms, FixedElementsOfEveryKindAreFound) {
+  const auto charts = surfaces::sphere(12);
+  for (int k = 0; k < 9; ++k) {
+    const auto kind = static_cast<SingularKind>(k);
+    const Vec3 place = onSphere(0.4 + 0.3 * k, 0.2);
+    const auto result = solved(charts, {singular("x", kind, {place}, {0.0, 1.0}, 0.4)}, 4);
+    for (Index j = 0; j < 4; ++j) {
+      double nearest = 1e9;
+      int index = 0;
+      for (const FixedPoint& p : findFixedPoints(sampleField(result.field, j)))
+        if ((p.position - place).norm() < nearest) {
+          nearest = (p.position - place).norm();
+          index = p.index;
+        }
+      EXPECT_LT(nearest, charts->mesh().meanEdgeLength());
+      EXPECT_EQ(index, poincareIndex(kind)) << name(kind);
+    }
+  }
+}
+
+TEST(Storms, SaddleFlowsOutAlongItsAxis) {
+  const auto charts = surfaces::square(20);
+  DesignElement saddle = singular("s", SingularKind::Saddle, {{0, 0, 0}}, {0.0, 1.0}, 0.5);
+  saddle.angle = 0.5;
+  const auto result = solved(charts, {saddle}, 2);
+  const ClosestPointQuery query(charts->meshPointer());
+  const Vec3 axis(std::cos(0.5), std::sin(0.5), 0.0), across(-axis.y(), axis.x(), 0.0);
+  const auto at = [&](const Vec3& p) {
+    return evaluate(sampleField(result.field, 0), query.closest(p).point).normalized();
+  };
+  EXPECT_GT(at(0.15 * axis).dot(axis), 0.99);
+  EXPECT_GT(at(-0.15 * axis).dot(-axis), 0.99);
+  EXPECT_GT(at(0.15 * across).dot(-across), 0.99);
+}
+
+TEST(Storms, CloseOnesThatAreNotJoinedGiveWay) {
+  const auto charts = surfaces::sphere(16);
+  const std::vector<DesignElement> elements = {
+      singular("x", SingularKind::VortexCcw, {onSphere(-0.15, 0.0)}, {0.0, 1.0}, 0.4),
+      singular("y", SingularKind::VortexCw, {onSphere(0.15, 0.0)}, {0.0, 1.0}, 0.4)};
+  const auto result = solved(charts, elements, 3);
+  for (const DesignElement& e : elements) {
+    double nearest = 1e9;
+    for (const FixedPoint& p : findFixedPoints(sampleField(result.field, 1)))
+      if (p.index == 1) nearest = std::min(nearest, (p.position - e.points[0]).norm());
+    EXPECT_LT(nearest, charts->mesh().meanEdgeLength());
+  }
+}
+
+TEST(Storms, SmallerThanTheMeshBecomesThreeConstraints) {
+  const auto charts = surfaces::sphere(12);
+  const Vec3 place = onSphere(0.3, 0.4);
+  const auto elements = std::vector{singular("x", SingularKind::VortexCcw, {place}, {0.0, 1.0}, 0.02)};
+  ElementOptions options;
+  options.samples = 3;
+  EXPECT_EQ(elementConstraints(charts, elements, options).size(), 9u);
+  const auto result = solved(charts, elements, 3);
+  double nearest = 1e9;
+  for (const FixedPoint& p : findFixedPoints(sampleField(result.field, 1)))
+    nearest = std::min(nearest, (p.position - place).norm());
+  EXPECT_LT(nearest, charts->mesh().meanEdgeLength());
+}
+
+/// Largest change of the targets of one vertex between neighbouring samples, relative to the speed.
+TEST(Storms, NothingJumpsInLambda) {
+  const auto charts = surfaces::sphere(24);
+  const auto elements = onTheSphere(SingularKind::VortexCcw);
+  const auto change = [&](Index samples) {
+    const auto result = solved(charts, elements, samples);
+    const double speed = elements[0].strength * charts->mesh().size();
+    double largest = 0.0;
+    const Index n = charts->mesh().vertexCount();
+    for (Index j = 0; j + 1 < samples; ++j)
+      for (Index v = 0; v < n; ++v)
+        largest = std::max(largest, std::abs(result.field.sample(j + 1)[v] - result.field.sample(j)[v]) / speed);
+    return largest;
+  };
+  const double coarse = change(40), fine = change(160);
+  std::printf("largest change between samples: %.3f at 40, %.3f at 160 samples\n", coarse, fine);
+  EXPECT_LT(fine, 0.5 * coarse);
+}
+
+}  // namespace
+}  // namespace stormfield

@@ -1,0 +1,157 @@
+"""From a design to fields: the job, its faults, and what the storms do in the solved samples."""
+
+import time
+
+import numpy as np
+import pytest
+from stormfield import native
+from stormfield.model.design import Design, Element, SolveSettings
+from stormfield.model.errors import InputError
+from stormfield.model.mesh_data import MeshData
+from stormfield.solve import start_solve
+
+
+def sphere(level: int) -> MeshData:
+    """An octahedron divided `level` times."""
+    points = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=float)
+    faces = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
+    for _ in range(level):
+        ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+        edges, inverse = np.unique(ends, axis=0, return_inverse=True)
+        ab, bc, ca = inverse.reshape(3, -1) + len(points)
+        middle = points[edges].mean(axis=1)
+        points = np.concatenate([points, middle / np.linalg.norm(middle, axis=1)[:, None]])
+        a, b, c = faces.T
+        faces = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    return MeshData(points, faces)
+
+
+def on(longitude, latitude):
+    return (np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude))
+
+
+def merge(kind="spiral_in_ccw", **settings) -> Design:
+    def storm(name, start, end, lam):
+        return Element(name, "singular", (on(*start), on(*end)), lam, kind=kind, radius=0.45)
+
+    return Design(
+        (
+            storm("west", (-0.8, 0.2), (0.1, 0.1), (0.0, 0.6)),
+            storm("east", (0.9, -0.1), (0.1, 0.1), (0.0, 0.6)),
+            storm("one", (0.1, 0.1), (0.3, 0.3), (0.6, 1.0)),
+        ),
+        SolveSettings(**({"samples": 31} | settings)),
+    )
+
+
+def test_storms_merge():
+    mesh = sphere(4)
+    solution = start_solve(mesh, merge()).result()
+    field = solution.fields["orientation"]
+    assert solution.fields["advection"] is not None
+    assert np.allclose(solution.lambdas, np.linspace(0, 1, 31))
+    assert not solution.notes
+    for j, lam in enumerate(solution.lambdas):
+        found = native.fixed_points(field.sample(j))
+        assert sum(p.index for p in found) == 2
+        here = np.array(on(0.1, 0.1))
+        storms = [p for p in found if p.index == 1 and p.position @ here > 0]
+        assert len(storms) == (2 if lam < 0.6 - 1e-9 else 1), lam
+        assert all(p.rotation > 0 for p in storms)
+
+
+def test_job_reports_progress_and_is_done():
+    job = start_solve(sphere(4), merge())
+    seen = []
+    while not job.done:
+        seen.append(job.fraction)
+        time.sleep(0.01)
+    job.result()
+    assert job.done and seen == sorted(seen) and all(0 <= f <= 1 for f in seen)
+
+
+def test_cancel_stops_soon():
+    job = start_solve(sphere(5), merge(samples=200))
+    time.sleep(0.05)
+    before = time.perf_counter()
+    job.cancel()
+    with pytest.raises(native.Cancelled):
+        job.result()
+    assert time.perf_counter() - before < 1.0  # the promise is 0.1 s; machines that test are busy
+
+
+def test_both_fields_are_solved_once_when_they_share_their_elements():
+    solution = start_solve(sphere(3), merge()).result()
+    assert solution.fields["orientation"] is solution.fields["advection"]
+
+
+def test_fields_with_their_own_elements_differ():
+    design = merge()
+    band = Element(
+        "band", "streamline", tuple(on(a, -0.8) for a in np.linspace(0, 2, 20)), field="advection", radius=0.2
+    )
+    solution = start_solve(sphere(3), Design((*design.elements, band), design.settings)).result()
+    a, b = (solution.fields[name].values for name in ("orientation", "advection"))
+    assert a.shape == b.shape and not np.allclose(a, b)
+
+
+def test_a_field_without_elements_is_the_other():
+    eye = Element("eye", "singular", (on(0, 0),), kind="source", field="orientation")
+    solution = start_solve(sphere(3), Design((eye,), SolveSettings(samples=3))).result()
+    assert solution.fields["advection"] is solution.fields["orientation"]
+
+
+def test_warm_start_needs_fewer_iterations():
+    mesh, design = sphere(4), merge(tolerance=1e-6)
+    cold = start_solve(mesh, design).result()
+    warm = start_solve(mesh, design, cold).result()
+    assert warm.iterations["orientation"] < cold.iterations["orientation"]
+    np.testing.assert_allclose(warm.fields["orientation"].values, cold.fields["orientation"].values, atol=1e-4)
+
+
+def test_warm_start_of_another_mesh_or_sampling_is_passed_over():
+    other = start_solve(sphere(3), merge()).result()
+    start_solve(sphere(4), merge(), other).result()
+    start_solve(sphere(3), merge(samples=10), other).result()
+
+
+def test_even_speed_keeps_the_flow_far_from_the_elements():
+    mesh = sphere(4)
+    plain, even = (start_solve(mesh, merge(even_speed=amount)).result().fields["orientation"] for amount in (0.0, 1.0))
+    speeds = [np.abs(field.values[15]) for field in (plain, even)]
+    slow = [np.quantile(speed, 0.2) / speed.max() for speed in speeds]
+    print(f"slowest fifth, relative to the fastest: {slow[0]:.3f} as solved, {slow[1]:.3f} even")
+    assert slow[1] > 2 * slow[0]
+
+
+def test_parts_without_elements_are_reported():
+    one = sphere(2)
+    count = len(one.vertices)
+    two = MeshData(
+        np.concatenate([one.vertices, one.vertices + 5]), np.concatenate([one.triangles, one.triangles + count])
+    )
+    solution = start_solve(two, merge()).result()
+    (note,) = solution.notes
+    assert f"part 2 of 2 of the mesh ({count} vertices, the first is {count}): its field is zero" in note
+    assert np.all(solution.fields["orientation"].values[:, count:] == 0)
+
+
+@pytest.mark.parametrize(
+    ("element", "said"),
+    [
+        (Element("X", "streamline", (on(0, 0), (2.0, 0, 0)), radius=0.1), 'curve "X" point 1 lies 1 off the surface'),
+        (Element("X", "regular", (on(0, 0),)), 'regular element "X" has no direction'),
+        (Element("X", "singular", (on(-0.8, 0.2),), kind="spiral_out_cw"), '"west".*"X".*contradict each other'),
+        (Element("X", "singular", (on(0, 0),), (0, 1), kind="source", radius=-1), "radius -1"),
+        (Element("X", "swirl", (on(0, 0),)), "type 'swirl'"),
+    ],
+)
+def test_faults_of_a_design(element, said):
+    design = merge()
+    with pytest.raises(InputError, match=said):
+        start_solve(sphere(4), Design((*design.elements, element), design.settings)).result()
+
+
+def test_faults_of_a_mesh():
+    with pytest.raises(InputError, match="face"):
+        start_solve(MeshData(np.eye(3), [[0, 1, 1]]), merge())
