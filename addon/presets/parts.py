@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 
 import bmesh
@@ -25,6 +26,20 @@ def add_icosphere(scene: bpy.types.Scene, name: str, subdivisions: int) -> bpy.t
     obj = bpy.data.objects.new(name, mesh)
     scene.collection.objects.link(obj)
     return obj
+
+
+def concentrate(sphere: bpy.types.Mesh, place: Point, factor: float) -> None:
+    """Make the unit sphere's faces smaller around a place, by that factor, and larger on the other side.
+
+    The Möbius map tan(θ'/2) = tan(θ/2) / factor of the angle θ to the place: it keeps the faces' shapes."""
+    axis = Vector(place).normalized()
+    for vertex in sphere.vertices:
+        height = axis.dot(vertex.co)
+        aside = vertex.co - height * axis
+        tangent = aside.length / max(1.0 + height, 1e-9) / factor  # tan of half the new angle
+        if aside.length > 1e-9:
+            angle = 2.0 * math.atan(tangent)
+            vertex.co = math.cos(angle) * axis + math.sin(angle) * aside.normalized()
 
 
 def element_collection(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Collection:
@@ -90,11 +105,12 @@ def add_camera(scene: bpy.types.Scene, place: Point, target: Point, lens: float)
 
 
 def add_sun(
-    scene: bpy.types.Scene, direction: Point, energy: float, color: Point = (1.0, 1.0, 1.0)
+    scene: bpy.types.Scene, direction: Point, energy: float, color: Point = (1.0, 1.0, 1.0), shadow: bool = True
 ) -> bpy.types.Object:
     """Sunlight from that direction."""
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
     sun.data.energy, sun.data.color, sun.data.angle = energy, color, 0.01
+    sun.data.use_shadow = shadow
     sun.location = Vector(direction) * 3.0
     look_at(sun, (0.0, 0.0, 0.0))
     scene.collection.objects.link(sun)

@@ -37,8 +37,8 @@ class Storm:
 
 
 JETS = (
-    Jet(68, 0.10), Jet(52, 0.20), Jet(38, 0.08), Jet(24, 0.22), Jet(10, 0.10), Jet(0, 0.16), Jet(-4, 0.05),
-    Jet(-36, 0.24), Jet(-50, 0.08), Jet(-66, 0.16),
+    Jet(68, 0.10), Jet(52, 0.20), Jet(38, 0.08), Jet(24, 0.22), Jet(10, 0.10), Jet(0, 0.16), Jet(-5, 0.05),
+    Jet(-36, 0.25), Jet(-45, 0.09), Jet(-56, 0.2), Jet(-68, 0.1),
 )  # fmt: skip
 MEETING = (0.0, -20.0)
 
@@ -55,9 +55,9 @@ def _approach(bearing: float, distance: float, turn: float, steps: int = 25) -> 
 
 
 STORMS = (
-    Storm("Storm West", _approach(198.0, 17.0, 80.0), (0.0, MERGE), 3.0, 0.08),
-    Storm("Storm East", _approach(18.0, 17.0, 80.0), (0.0, MERGE), 3.2, 0.065),
-    Storm("Merged Storm", ((0.0, -20.0), (3.0, -20.0), (6.0, -20.5)), (MERGE, 1.0), 2.6, 0.095),
+    Storm("Storm West", _approach(190.0, 17.0, 80.0), (0.0, MERGE), 2.1, 0.11),
+    Storm("Storm East", _approach(10.0, 17.0, 80.0), (0.0, MERGE), 2.3, 0.095),
+    Storm("Merged Storm", ((0.0, -20.0), (3.0, -20.0), (6.0, -20.5)), (MERGE, 1.0), 2.0, 0.125),
 )
 
 
@@ -72,8 +72,9 @@ def build(context: bpy.types.Context, subdivisions: int = 7, frames: int = 96) -
     ``subdivisions`` is that of Blender's icosphere: 7 makes 41 k vertices, 6 a quarter of that."""
     scene = context.scene
     planet = parts.add_icosphere(scene, "Gas Giant", subdivisions)
+    parts.concentrate(planet.data, on_sphere(*MEETING), 2.2)
     _add_elements(scene, planet)
-    parts.add_field(planet, frames, samples=60, period=72, even_speed=0.0)
+    parts.add_field(planet, frames, samples=60, period=54, even_speed=0.0)
     planet.data.materials.append(build_material("storm_clouds"))
     _add_stage(scene, frames)
     context.view_layer.objects.active = planet
@@ -104,5 +105,5 @@ def _add_stage(scene: bpy.types.Scene, frames: int) -> None:
     scene.view_settings.view_transform = "Standard"
     parts.set_cycles(scene, samples=4)
     parts.set_world(scene, (0.0005, 0.0007, 0.0012))
-    parts.add_sun(scene, on_sphere(45.0, 12.0), energy=3.6, color=(1.0, 0.97, 0.92))
-    parts.add_camera(scene, on_sphere(6.0, -24.0, 2.5), on_sphere(2.0, -16.0), lens=50.0)
+    parts.add_sun(scene, on_sphere(45.0, 12.0), energy=3.7, color=(1.0, 0.97, 0.92), shadow=False)
+    parts.add_camera(scene, on_sphere(6.0, -25.0, 2.62), on_sphere(1.5, -19.5), lens=50.0)

@@ -12,15 +12,15 @@ from __future__ import annotations
 import bpy
 
 from .groups import advected_coordinates, phase_blend
-from .tree import add_input, add_vector_input, group_inputs, new_group, new_material, set_outputs
+from .tree import add_input, add_vector_input, group_inputs, new_group, new_material, set_outputs, srgb
 
 GROUP, LAYER = "Storm Clouds", "Storm Clouds Layer"
 BANDS = (
-    (0.00, "#1f3a56"), (0.04, "#4f7690"), (0.08, "#9db3b8"), (0.115, "#5d4a42"), (0.15, "#7d3d22"), (0.19, "#bd7f48"),
-    (0.235, "#e6cfab"), (0.27, "#c9a273"), (0.30, "#96532c"), (0.34, "#5f2917"), (0.37, "#a5653a"), (0.405, "#dcc19a"),
-    (0.45, "#eadbc3"), (0.49, "#b98d68"), (0.515, "#7e4026"), (0.55, "#a86b40"), (0.59, "#e3cfae"), (0.63, "#efe4d0"),
-    (0.67, "#c7ae92"), (0.695, "#8d5234"), (0.73, "#c79a6e"), (0.77, "#e2d8c8"), (0.81, "#a7a7a0"), (0.845, "#75604f"),
-    (0.88, "#bfb9ac"), (0.93, "#6d8fa2"), (1.00, "#27465f"),
+    (0.00, "#1f3b54"), (0.09, "#416a86"), (0.125, "#8fabb5"), (0.15, "#c9cdc6"), (0.175, "#587f96"), (0.205, "#7b93a0"),
+    (0.225, "#6f4a38"), (0.25, "#5c2413"), (0.28, "#9c4e25"), (0.305, "#cf9552"), (0.33, "#ecd6b0"), (0.355, "#d9ab74"),
+    (0.375, "#bd7a45"), (0.395, "#ddbf92"), (0.42, "#efe0c6"), (0.44, "#b87240"), (0.46, "#7c3519"), (0.49, "#5f2412"),
+    (0.52, "#9c5428"), (0.545, "#d6a868"), (0.57, "#ecdfc8"), (0.60, "#dcc096"), (0.64, "#ab7c50"), (0.67, "#6f452c"),
+    (0.70, "#bb8d60"), (0.74, "#d6cdbd"), (0.79, "#8ea4ac"), (0.86, "#5d8297"), (1.00, "#1f3b54"),
 )  # fmt: skip
 STORM = (
     (0.0, "#e6cba0"), (0.16, "#b96d36"), (0.28, "#7d2f17"), (0.40, "#c9905f"), (0.46, "#dcb48a"), (0.54, "#9a4421"),
@@ -29,7 +29,7 @@ STORM = (
 
 
 def layer_group() -> bpy.types.NodeTree:
-    """The noises of one phase: swirls, filaments and the arms of storms, all bent by one warp."""
+    """The noises of one phase: swirls and filaments, bent by one warp, and an unbent relief."""
     tree = new_group(LAYER)
     add_vector_input(tree, "Coordinate")
     add_input(tree, "Eddies", 7.0, 0, 100)
@@ -43,21 +43,22 @@ def layer_group() -> bpy.types.NodeTree:
         tree,
         broad=tree.noise(warped, given["Eddies"], 2.0, 0.55),
         fine=tree.noise(warped, given["Filaments"], 4.0, 0.7),
-        arms=tree.noise(coordinate, given["Eddies"] * 1.4, 1.0, 0.5),
+        relief=tree.noise(streaky, given["Filaments"] * 1.8, 1.0, 0.6),
     )
     return tree.tree
 
 
 def storm_clouds_group() -> bpy.types.NodeTree:
     tree = new_group(GROUP)
-    add_input(tree, "Band Scale", 7.0, -100, 100, "Bands per unit of the stream function")
-    add_input(tree, "Band Offset", 0.52, -10, 10, "Which colour of the bands lies where the stream function is zero")
-    add_input(tree, "Turbulence", 0.22, 0, 2, "How far eddies carry the bands' colours across their borders")
+    add_input(tree, "Band Scale", 3.85, -100, 100, "Bands per unit of the stream function")
+    add_input(tree, "Band Offset", 0.5, -10, 10, "Which colour of the bands lies where the stream function is zero")
+    add_input(tree, "Turbulence", 0.18, 0, 2, "How far eddies carry the bands' colours across their borders")
     add_input(tree, "Eddies", 7.0, 0, 100, "Frequency of the broad eddies, per unit of length")
     add_input(tree, "Filaments", 20.0, 0, 500, "Frequency of the filaments, per unit of length")
     add_input(tree, "Contrast", 0.75, 0, 2, "Brightness of the filaments")
-    add_input(tree, "Storm Rotation", 5.0, 0.001, 100, "Rotation (sf_rotation) of a storm's core")
+    add_input(tree, "Storm Rotation", 9.0, 0.001, 100, "Rotation (sf_rotation) of a storm's core")
     add_input(tree, "Storm Tint", 0.92, 0, 1, "How much the storms' cores take the storm colours")
+    add_input(tree, "Haze", 0.5, 0, 1, "Blue of the air towards the planet's rim")
     given = group_inputs(tree)
     carried = tree.group(advected_coordinates())
     layer, blend = layer_group(), phase_blend()
@@ -72,21 +73,23 @@ def storm_clouds_group() -> bpy.types.NodeTree:
             - 0.5
         )
 
-    broad, fine, arm = flow("Broad"), flow("Fine"), flow("Arms")
+    broad, fine = flow("Broad"), flow("Fine")
     stream = tree.attribute("sf_stream", "Fac")
     rotation = tree.attribute("sf_rotation", "Fac") / given["Storm Rotation"]
     band = stream * given["Band Scale"] + given["Band Offset"] + (broad + fine * 0.5) * given["Turbulence"]
     color = tree.color_ramp(band, BANDS)
     streak = tree.noise(band, 26.0, 2.0, 0.6) - 0.5
-    core = (rotation + fine * 0.3 + arm * 0.35).ramp(0.04, 0.24)
-    collar = (rotation * 5.0 + fine * 1.2).ramp(0.0, -0.7)
-    inside = tree.color_ramp(rotation * 0.6 + arm * 1.7 + fine * 0.5 + 0.22, STORM)
+    core = (rotation + fine * 0.3 + broad * 0.35).ramp(0.04, 0.24)
+    collar = (rotation * 5.0 + fine * 1.0).ramp(-0.15, -0.9)
+    inside = tree.color_ramp(rotation * 0.6 + broad * 1.7 + fine * 0.5 + 0.22, STORM)
     color = tree.mix(collar * 0.5, color, (0.78, 0.7, 0.58, 1.0))
     color = tree.mix(core * given["Storm Tint"], color, inside)
     light = fine * (given["Contrast"] * 2.0) + streak * 0.9 + 0.95
     light = tree.math("MAXIMUM", light, 0.15)
     color = tree.mix(1.0, color, tree.combine(light, light, light), "MULTIPLY")
-    set_outputs(tree, color=color, height=fine)
+    edge = tree.facing()
+    color = tree.mix(edge * edge * edge * given["Haze"], color, srgb("#a9c3dc"))
+    set_outputs(tree, color=color, height=flow("Relief"))
     return tree.tree
 
 

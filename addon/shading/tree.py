@@ -172,6 +172,10 @@ class Tree:
         self.connect(world, turn.inputs[0])
         return Socket(self, turn.outputs[0])
 
+    def facing(self) -> Socket:
+        """0 where the surface faces the viewer, 1 at its rim."""
+        return Socket(self, self.node("ShaderNodeLayerWeight").outputs["Facing"])
+
     def mix(self, factor: Operand, a: Operand, b: Operand, blend: str = "MIX") -> Socket:
         """Colours a and b mixed by the factor."""
         node = self.node("ShaderNodeMix", data_type="RGBA", blend_type=blend, clamp_factor=True)
