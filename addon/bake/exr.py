@@ -32,7 +32,7 @@ class FlowMapWriter:
     """Draws one image per frame. Raises InputError when the UV layer is missing or shows nothing."""
 
     def __init__(self, folder: Path, mesh: MeshData, frames, settings: ExrSettings, baked_from, *, resume: bool):
-        layer = _layer(mesh, settings.uv_layer)
+        layer = find_layer(mesh, settings.uv_layer)
         if settings.basis not in BASES:
             raise InputError(f"the basis of flow maps is '{settings.basis}'; choose one of {', '.join(BASES)}")
         self._settings = settings
@@ -90,7 +90,8 @@ def remarks(flow_map, layer: str) -> list[str]:
     return found
 
 
-def _layer(mesh: MeshData, name: str) -> str:
+def find_layer(mesh: MeshData, name: str) -> str:
+    """The UV layer meant by `name`, the first when that is empty. Raises InputError naming those present."""
     present = list(mesh.uv_layers)
     if not present:
         raise InputError("EXR flow maps need a UV layer and the mesh has none; unwrap it, or bake another target")

@@ -26,7 +26,7 @@ from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from . import fields
 from .cache import FieldCache, FieldCacheWriter, FrameCacheWriter, open_cache
-from .exr import ExrSettings, FlowMapWriter
+from .exr import ExrSettings, FlowMapWriter, find_layer
 from .manifest import MANIFEST, MeshIdentity, Plan, text
 from .store import sha256
 from .usd import Polygons
@@ -158,11 +158,19 @@ def _solve(mesh: MeshData, design: Design, warm_start) -> Steps[Any]:
 # Bake -----------------------------------------------------------------------------------------------------------------
 
 
-def bake_steps(task: BakeTask) -> Steps[BakeResult]:
-    """Writes the targets of a task, one after the other, frame by frame."""
+def check_task(task: BakeTask) -> None:
+    """Raises InputError on what can be seen without the λ cache: before a long solve, not after it."""
     unknown = task.targets - set(TARGETS)
     if unknown:
         raise InputError(f"unknown target '{min(unknown)}'; choose from {', '.join(TARGETS)}")
+    _indices(task)
+    if "exr" in task.targets:
+        find_layer(task.mesh, task.exr.uv_layer)
+
+
+def bake_steps(task: BakeTask) -> Steps[BakeResult]:
+    """Writes the targets of a task, one after the other, frame by frame."""
+    check_task(task)
     cache = open_cache(task.cache)
     cache.check_mesh(task.mesh)
     indices = _indices(task)

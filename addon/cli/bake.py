@@ -1,6 +1,7 @@
 """stormfield bake SCENE.blend: the scene's bakes, as the add-on's own buttons would run them."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -36,21 +37,20 @@ def bake(scene: str, targets: str, frames: str | None, resume: bool, save: bool)
 
 
 def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | None, resume: bool) -> None:
-    from dataclasses import replace
-
     from ..bake import job
     from ..convert import attach, folders
     from ..convert.bake_task import read_bake_task
     from ..convert.mesh_arrays import read_polygons
     from ..convert.scene import read_design
 
+    task = replace(read_bake_task(bpy.context, obj, Path()), targets=targets, only=only, resume=resume)
+    job.check_task(task)
     mesh, design = read_design(bpy.context, obj)
     with progress(f"Solving '{obj.name}'") as show:
         folder = job.run(job.solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj)), show)
     attach.attach_lambda(obj, folder)
-    task = replace(read_bake_task(bpy.context, obj, folder), targets=targets, only=only, resume=resume)
     with progress(f"Baking '{obj.name}'") as show:
-        result = job.run(job.bake_steps(task), show)
+        result = job.run(job.bake_steps(replace(task, cache=folder)), show)
     if result.whole and "usd" in result.folders:
         attach.attach_frames(obj, result.folders["usd"])
     for target, written in result.folders.items():
