@@ -30,7 +30,7 @@ def read_bake_task(context: bpy.types.Context, obj: bpy.types.Object, cache: Pat
         cache=cache,
         mesh=read_mesh(obj),
         frames=tuple(frames),
-        lambdas=tuple(lambda_at_frames(scene, obj, frames)),
+        lambdas=tuple(lambda_at_frames(obj, frames)),
         root=cache_root(obj),
         frames_per_second=scene.render.fps / scene.render.fps_base,
         targets=frozenset(target for target, on in switches.items() if on),
