@@ -1,0 +1,383 @@
+// The one integrator behind streamlines and pathlines: dx/dt = V(x; t) on the surface, face by face in flat frames.
+//
+// Inside a face Merson's fourth-order Runge-Kutta rule estimates and controls the error; a step is tried a little farther
+// than the straight exit from the face, and where the cubic through its ends crosses an edge, it ends on that edge, at
+// the same point for both faces. Because the field is continuous across edges, following an edge or
+// touching it needs no special case beyond a slack of round-off size. A trace that meets a vertex leaves it in the
+// direction that the vertex's own vector has in its chart, which is the one direction that is right for any sum of
+// corner angles. Nothing is allocated.
+#pragma once
+
+#include <array>
+#include <numbers>
+
+#include "tracing/dense_step.h"
+#include "tracing/flow.h"
+#include "tracing/trace.h"
+
+namespace stormfield {
+
+template <typename Flow>
+class Integrator {
+ public:
+  /// direction +1 or -1 only says how physical time runs; the flow's velocities already point the way to go.
+  Integrator(const FlatFaces& faces, const Flow& flow, const TraceOptions& options, double minimalSpeed)
+      : faces_(faces),
+        flow_(flow),
+        options_(options),
+        timeSign_(options.direction == Direction::Backward ? -1.0 : 1.0),
+        tolerance_(options.tolerance * faces.mesh().meanEdgeLength()),
+        squaredMinimalSpeed_(minimalSpeed * minimalSpeed) {}
+
+  /// visit(SurfacePoint, seconds since the seed) is called for the seed and after every step and crossing.
+  template <typename Visit>
+  TraceEnd run(const SurfacePoint& seed, double startTime, double maximalTime, Visit&& visit) {
+    startTime_ = startTime;
+    maximalTime_ = maximalTime;
+    cursor_ = flow_.start(startTime);
+    elapsed_ = length_ = 0.0;
+    trialStep_ = std::numeric_limits<double>::infinity();
+    slide_ = kNoSide;
+    idleCrossings_ = 0;
+    end_ = TraceEnd{};
+    visit(seed, 0.0);
+    bool going = place(seed);
+    while (going) {
+      going = advance();
+      visit(here(), elapsed_);
+    }
+    end_.point = here();
+    end_.time = elapsed_;
+    end_.length = length_;
+    return end_;
+  }
+
+ private:
+  static constexpr int kNoSide = -1;
+  /// Barycentric round-off that does not count as outside; nearer to a vertex than kSnap is on it; a vertex is left by
+  /// kLeave of an edge.
+  static constexpr double kSlack = 1e-10, kSnap = 1e-9, kLeave = 1e-7;
+  /// How far beyond the straight exit a step is tried, so that curved paths leave in one step as well.
+  static constexpr double kOvershoot = 1.1;
+  /// Largest error of a step as a fraction of its length, whatever the tolerance.
+  static constexpr double kRelativeError = 0.02;
+
+  double time() const { return startTime_ + timeSign_ * elapsed_; }
+  double timeLeft() const { return std::min(maximalTime_ - elapsed_, flow_.remaining(cursor_, time())); }
+
+  SurfacePoint here() const {
+    SurfacePoint p{face_, flat_->barycentric(position_).cwiseMax(0.0)};
+    p.barycentric /= p.barycentric.sum();
+    return p;
+  }
+
+  bool stop(StopReason reason) {
+    end_.reason = reason;
+    return false;
+  }
+
+  void enter(Index face) {
+    face_ = face;
+    flat_ = &faces_[face];
+    local_ = flow_.enter(*flat_, cursor_);
+  }
+
+  Complex side(int i) const { return flat_->corner((i + 1) % 3) - flat_->corner(i); }
+
+  Complex velocity(Complex p, double elapsed) const {
+    return flow_.velocity(*flat_, local_, cursor_, p, startTime_ + timeSign_ * elapsed);
+  }
+  /// The velocity that is followed: along a boundary, its tangential part.
+  Complex followed(Complex p, double elapsed) const {
+    const Complex v = velocity(p, elapsed);
+    return slide_ == kNoSide ? v : project(v, side(slide_));
+  }
+  static Complex project(Complex v, Complex direction) {
+    return (v.real() * direction.real() + v.imag() * direction.imag()) / std::norm(direction) * direction;
+  }
+  bool flowsInward(int i, Complex p, double elapsed) const {
+    return flat_->barycentricRate(velocity(p, elapsed))[(i + 2) % 3] > 0.0;
+  }
+
+  bool place(const SurfacePoint& seed) {
+    enter(seed.face);
+    position_ = flat_->point(seed.barycentric);
+    for (int i = 0; i < 3; ++i) {
+      if (seed.barycentric[i] > 1.0 - kSnap) return leaveVertex(i);
+    }
+    return true;
+  }
+
+  bool advance();
+  bool integrate(double h, const Eigen::Vector3d& b, Complex k1, const Eigen::Vector3d& rate);
+  bool cross(int side, double fraction);
+  bool leaveVertex(int corner);
+  bool leaveAlongBoundary(Index v, Complex velocity, Index lastHalfedge);
+  void startAt(Index h, double distance, Complex direction);
+  bool waitAtVertex(int corner);
+
+  double fractionAlong(int i, Complex p) const {
+    const Complex s = side(i), d = p - flat_->corner(i);
+    return std::clamp((d.real() * s.real() + d.imag() * s.imag()) / std::norm(s), 0.0, 1.0);
+  }
+
+  const FlatFaces& faces_;
+  Flow flow_;
+  TraceOptions options_;
+  double timeSign_, tolerance_, squaredMinimalSpeed_;
+  double startTime_ = 0.0, maximalTime_ = 0.0;
+
+  Index face_ = kNone;
+  const FlatFace* flat_ = nullptr;
+  typename Flow::Local local_;
+  typename Flow::Cursor cursor_;
+  Complex position_;
+  double elapsed_ = 0.0, length_ = 0.0, trialStep_ = 0.0;
+  int slide_ = kNoSide;    ///< side along which the particle slides on the boundary
+  int idleCrossings_ = 0;  ///< crossings in a row that took no time
+  TraceEnd end_;
+};
+
+/// One step, one crossing, or one change of the time segment. False when the trace has ended.
+template <typename Flow>
+bool Integrator<Flow>::advance() {
+  if (end_.steps++ >= options_.maximalSteps) return stop(StopReason::StepLimit);
+  if (elapsed_ >= maximalTime_) return stop(StopReason::Time);
+  if (length_ >= options_.maximalLength) return stop(StopReason::Length);
+  const double left = timeLeft();
+  if (left <= 0.0) {
+    flow_.advance(cursor_);
+    enter(face_);
+    return true;
+  }
+  if (slide_ != kNoSide && flowsInward(slide_, position_, elapsed_)) slide_ = kNoSide;
+  const Complex k1 = followed(position_, elapsed_);
+  if (Flow::kSteady && std::norm(k1) <= squaredMinimalSpeed_) {
+    return stop(slide_ == kNoSide ? StopReason::MinimalSpeed : StopReason::Boundary);
+  }
+
+  const Eigen::Vector3d b = flat_->barycentric(position_), rate = flat_->barycentricRate(k1);
+  double exit = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    if (b[i] > kSlack && rate[i] < 0.0) exit = std::min(exit, -b[i] / rate[i]);
+  }
+  double h = std::min({trialStep_, left, kOvershoot * exit});
+  // Faces that hand a particle back and forth disagree by round-off only: it then goes along their edge a little.
+  const bool undecided = idleCrossings_ > 3;
+  if (undecided) h = std::min(h, 1e-3 * std::abs(side(0)) / std::abs(k1));
+  for (int i = 0; i < 3 && !undecided; ++i) {
+    const int across = (i + 1) % 3;
+    if (b[i] <= kSlack && b[i] + rate[i] * h < -kSlack && across != slide_) {
+      ++idleCrossings_;
+      return cross(across, fractionAlong(across, position_));
+    }
+  }
+  if (h == std::numeric_limits<double>::infinity()) return stop(StopReason::MinimalSpeed);  // at rest for ever
+  return integrate(h, b, k1, rate);
+}
+
+template <typename Flow>
+bool Integrator<Flow>::integrate(double h, const Eigen::Vector3d& b, Complex k1, const Eigen::Vector3d& rate) {
+  const double speed1 = magnitude(k1);
+  double speed5 = 0.0;
+  Complex k2, k3, k4, k5, to;
+  while (true) {
+    k2 = followed(position_ + h / 3.0 * k1, elapsed_ + h / 3.0);
+    k3 = followed(position_ + h / 6.0 * (k1 + k2), elapsed_ + h / 3.0);
+    k4 = followed(position_ + h / 8.0 * (k1 + 3.0 * k3), elapsed_ + 0.5 * h);
+    k5 = followed(position_ + h * (0.5 * k1 - 1.5 * k3 + 2.0 * k4), elapsed_ + h);
+    to = position_ + h / 6.0 * (k1 + 4.0 * k4 + k5);
+    const double error = h / 30.0 * magnitude(2.0 * k1 - 9.0 * k3 + 8.0 * k4 - k5);
+    speed5 = magnitude(k5);
+    const double way = h * std::max(speed1, speed5);
+    // Near a fixed point the way is short: the error has to shrink with it for the trace to converge.
+    const double allowed = std::min(tolerance_, kRelativeError * way);
+    const double growth = std::clamp(0.9 * std::sqrt(std::sqrt(allowed / std::max(error, 1e-3 * allowed))), 0.1, 4.0);
+    if (error <= allowed || way < 1e-3 * tolerance_) {
+      trialStep_ = growth < 1.0 ? h * growth : std::max(trialStep_, h * growth);
+      break;
+    }
+    if (end_.steps++ >= options_.maximalSteps) return stop(StopReason::StepLimit);
+    trialStep_ = h *= std::isfinite(error) ? std::min(growth, 0.9) : 0.1;
+  }
+
+  const double fullLength = h / 6.0 * (speed1 + 4.0 * magnitude(k4) + speed5);
+  const DenseStep step{position_, to, k1, k5, speed1, speed5, h, fullLength};
+  const Eigen::Vector3d bTo = flat_->barycentric(to), rateTo = flat_->barycentricRate(k5);
+  double fraction = 1.0;
+  int across = kNoSide;
+  for (int i = 0; i < 3; ++i) {
+    if ((i + 1) % 3 == slide_) continue;
+    const bool fromEdge = b[i] <= kSlack;
+    if (fromEdge && rate[i] <= 0.0) {
+      // Along the edge at first: a path that then turns outwards belongs to the other face from the start.
+      if (bTo[i] < -kSlack && idleCrossings_ <= 3) {
+        ++idleCrossings_;
+        return cross((i + 1) % 3, fractionAlong((i + 1) % 3, position_));
+      }
+      continue;
+    }
+    const double root = firstExit(fromEdge ? 0.0 : b[i], h * rate[i], bTo[i], h * rateTo[i], kSlack);
+    if (root < fraction) {
+      fraction = root;
+      across = (i + 1) % 3;
+    }
+  }
+  if (slide_ != kNoSide && flowsInward(slide_, step.point(fraction), elapsed_ + fraction * h)) {
+    // The flow turns inwards within the step: leave the boundary where it does.
+    double outward = 0.0;
+    for (int i = 0; i < 40; ++i) {
+      const double middle = 0.5 * (outward + fraction);
+      (flowsInward(slide_, step.point(middle), elapsed_ + middle * h) ? fraction : outward) = middle;
+    }
+    across = kNoSide;
+  }
+  double length = step.arcLength(fraction);
+  if (length_ + length >= options_.maximalLength) {
+    fraction = step.fractionOfLength(options_.maximalLength - length_, fraction);
+    length = options_.maximalLength - length_;
+    across = kNoSide;
+  }
+  position_ = fraction < 1.0 ? step.point(fraction) : to;
+  length_ += length;
+  idleCrossings_ = 0;
+  if (fraction < 1.0 || h < maximalTime_ - elapsed_) {
+    const bool segmentEnds = fraction == 1.0 && h >= flow_.remaining(cursor_, time());
+    elapsed_ += fraction * h;
+    if (segmentEnds) {
+      flow_.advance(cursor_);
+      enter(face_);
+    }
+  } else {
+    elapsed_ = maximalTime_;
+  }
+  return across == kNoSide || cross(across, fractionAlong(across, position_));
+}
+
+/// Over a side of the face, at a fraction of its length from its tail.
+template <typename Flow>
+bool Integrator<Flow>::cross(int i, double fraction) {
+  if (fraction < kSnap) return leaveVertex(i);
+  if (fraction > 1.0 - kSnap) return leaveVertex((i + 1) % 3);
+  const Index twin = flat_->twin(i);
+  position_ = flat_->corner(i) + fraction * side(i);
+  if (twin == kNone) {
+    if (options_.boundary == BoundaryRule::Stop) return stop(StopReason::Boundary);
+    slide_ = i;
+    return true;
+  }
+  ++end_.crossings;
+  slide_ = kNoSide;
+  enter(TriangleMesh::face(twin));
+  const int back = TriangleMesh::corner(twin);
+  position_ = flat_->corner(back) + (1.0 - fraction) * side(back);
+  return true;
+}
+
+/// From the tail of halfedge h into its face: distance along a direction of its flat frame.
+template <typename Flow>
+void Integrator<Flow>::startAt(Index h, double distance, Complex direction) {
+  enter(TriangleMesh::face(h));
+  position_ = flat_->corner(TriangleMesh::corner(h)) + distance * direction;
+  length_ += distance;
+}
+
+template <typename Flow>
+bool Integrator<Flow>::leaveVertex(int corner) {
+  const VertexCharts& charts = faces_.charts();
+  const TriangleMesh& mesh = charts.mesh();
+  const Index v = flat_->vertex(corner);
+  position_ = flat_->corner(corner);
+  slide_ = kNoSide;
+  if (timeLeft() <= 0.0) return true;
+  const Complex velocity = flow_.vertexVelocity(v, cursor_, time());
+  const double speed = std::abs(velocity);
+  if (Flow::kSteady && speed * speed <= squaredMinimalSpeed_) return stop(StopReason::MinimalSpeed);
+
+  double angle = std::arg(velocity);
+  if (angle < 0.0) angle += 2.0 * std::numbers::pi;
+  Index leaving = kNone, last = kNone;
+  for (Index h = mesh.outgoing(v); h != kNone; h = mesh.nextOutgoing(h)) {
+    last = h;
+    if (angle >= charts.tailAngle(h) && angle <= charts.tailAngle(h) + charts.scale(v) * mesh.cornerAngle(h)) {
+      leaving = h;
+      break;
+    }
+  }
+  if (leaving == kNone && !mesh.isBoundaryVertex(v)) leaving = last;  // round-off just below the full turn
+  if (leaving == kNone) return leaveAlongBoundary(v, velocity, last);
+
+  ++end_.crossings;
+  const Index face = TriangleMesh::face(leaving);
+  const int i = TriangleMesh::corner(leaving);
+  const FlatFace& flat = faces_[face];
+  const Complex along = flat.corner((i + 1) % 3) - flat.corner(i);
+  const double edge = std::abs(along);
+  const Complex direction = along / edge * std::polar(1.0, (angle - charts.tailAngle(leaving)) / charts.scale(v));
+  double duration = kLeave * edge / speed, distance = kLeave * edge;
+  const double left = timeLeft();
+  if (!Flow::kSteady && !(duration <= 1e-4 * std::min(left, flow_.segmentDuration(cursor_)))) {
+    duration = 0.0;  // too slow to leave in one go: start just beside the vertex
+  } else if (duration > left) {
+    duration = left;
+    distance = left * speed;
+  }
+  elapsed_ += duration;
+  startAt(leaving, distance, direction);
+  return true;
+}
+
+/// At a boundary vertex whose vector points out of the surface.
+template <typename Flow>
+bool Integrator<Flow>::leaveAlongBoundary(Index v, Complex velocity, Index lastHalfedge) {
+  const VertexCharts& charts = faces_.charts();
+  const Index first = charts.mesh().outgoing(v), incoming = TriangleMesh::prev(lastHalfedge);
+  enter(TriangleMesh::face(first));
+  position_ = flat_->corner(TriangleMesh::corner(first));
+  if (options_.boundary == BoundaryRule::Stop) return stop(StopReason::Boundary);
+  const double onward = velocity.real();
+  const double backward = (velocity * std::polar(1.0, -charts.totalAngle(v))).real();
+  const double speed = std::max(onward, backward);
+  if (speed <= 0.0) return waitAtVertex(TriangleMesh::corner(first));
+
+  const bool alongFirst = onward >= backward;
+  const Index h = alongFirst ? first : incoming;
+  const int i = TriangleMesh::corner(h), tail = alongFirst ? i : (i + 1) % 3;
+  enter(TriangleMesh::face(h));
+  const double fraction = std::min(kLeave, timeLeft() * speed / std::abs(side(i)));
+  const double distance = fraction * std::abs(side(i));
+  elapsed_ += Flow::kSteady || distance / speed <= timeLeft() ? distance / speed : 0.0;
+  length_ += distance;
+  position_ = flat_->corner(tail) + (alongFirst ? 1.0 : -1.0) * fraction * side(i);
+  slide_ = i;
+  return true;
+}
+
+/// The flow presses against a corner of the boundary: a steady one does so for ever, another until it turns.
+template <typename Flow>
+bool Integrator<Flow>::waitAtVertex(int corner) {
+  if (Flow::kSteady) return stop(StopReason::Boundary);
+  while (end_.steps++ < options_.maximalSteps) {
+    const double left = timeLeft(), total = maximalTime_ - elapsed_;
+    if (total <= 0.0) return stop(StopReason::Time);
+    const double pause = std::min(left, flow_.segmentDuration(cursor_) / 16.0);
+    if (left <= pause) {
+      elapsed_ = left >= total ? maximalTime_ : elapsed_ + left;
+      flow_.advance(cursor_);
+      if (left >= total) return stop(StopReason::Time);
+    } else {
+      elapsed_ += pause;
+    }
+    const Index v = flat_->vertex(corner);
+    const Complex velocity = flow_.vertexVelocity(v, cursor_, time());
+    double angle = std::arg(velocity);
+    if (angle < 0.0) angle += 2.0 * std::numbers::pi;
+    const double totalAngle = faces_.charts().totalAngle(v);
+    const bool pressed = angle > totalAngle && velocity.real() <= 0.0 &&
+                         (velocity * std::polar(1.0, -totalAngle)).real() <= 0.0;
+    if (!pressed) return leaveVertex(corner);
+  }
+  return stop(StopReason::StepLimit);
+}
+
+}  // namespace stormfield
