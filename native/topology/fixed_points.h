@@ -28,8 +28,9 @@ struct FixedPointOptions {
 };
 
 /// One for each face with a Poincare index other than zero, in face order; faces that share the zero of a vertex report
-/// it once. The sum of the indices is the Euler characteristic on a closed mesh. Faces are searched in parallel; the
-/// result does not depend on the thread count.
+/// it once. The sum of the indices is the Euler characteristic on a closed mesh. Zeros whose indices cancel within one
+/// face (strongly curved, coarse meshes only: a linear blend has at most one) are not reported. Faces are searched in
+/// parallel; the result does not depend on the thread count.
 std::vector<FixedPoint> findFixedPoints(const VectorField& field, const FixedPointOptions& options = {});
 
 }  // namespace stormfield
