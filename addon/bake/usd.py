@@ -65,7 +65,7 @@ class Polygons:
 @cache
 def usd() -> SimpleNamespace:
     """The modules of pxr: Blender's own where bpy is installed (two USDs in one process may crash), else usd-core's."""
-    if "bpy" in sys.modules or importlib.util.find_spec("bpy") is not None:
+    if sys.modules.get("bpy") or importlib.util.find_spec("bpy"):
         bpy = importlib.import_module("bpy")
         if "pxr" not in sys.modules and hasattr(bpy.utils, "expose_bundled_modules"):
             bpy.utils.expose_bundled_modules()

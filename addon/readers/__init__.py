@@ -2,7 +2,7 @@
 
     .t                the format of the thesis's data: faces vertices, triangles, positions, vectors
     folder            a baked λ cache
-    .npz .nc .nc4 .h5 .grib   wind on a latitude-longitude grid, put onto a sphere
+    .npz .nc .nc4 .h5 wind on a latitude-longitude grid, put onto a sphere
     anything else     what meshio reads (.ply, .vtk, .vtu, .obj, ...), vectors from its point data
 
 Faults of the data are InputError naming file, place and cure. No bpy, no native module.
@@ -14,7 +14,7 @@ from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from .field_data import FieldData
 
-GRIDS = {".npz", ".nc", ".nc4", ".cdf", ".h5", ".grib", ".grib2"}
+GRIDS = {".npz", ".nc", ".nc4", ".cdf", ".h5"}
 #: Faces of the sphere that carries wind when nothing else is said.
 SPHERE_FACES = 20480
 

@@ -62,7 +62,7 @@ def baked(mesh, tmp_path):
     return tmp_path / "cache"
 
 
-# What is read is what was written --------------------------------------------------------------------------------------
+# What is read is what was written ----------------------------------------------------------------------------
 
 
 def test_samples_come_back_bit_for_bit(mesh, baked):
@@ -128,7 +128,7 @@ def test_a_frame_cache_has_the_frames_as_time_codes(mesh, tmp_path):
         _ = open_cache(tmp_path).lambdas
 
 
-# Determinism -----------------------------------------------------------------------------------------------------------
+# Determinism -------------------------------------------------------------------------------------------------
 
 
 def test_any_split_gives_the_same_bytes(mesh, baked, tmp_path):
@@ -168,7 +168,7 @@ def test_manifest_is_checked_by_others(baked):
     assert all(found[name] == digest for name, digest in manifest["files"].items())
 
 
-# Resume and damage -----------------------------------------------------------------------------------------------------
+# Resume and damage -------------------------------------------------------------------------------------------
 
 
 def test_resume_starts_at_the_first_missing_sample(mesh, baked, tmp_path):
@@ -217,7 +217,7 @@ def test_other_settings_start_anew_and_cannot_be_resumed(mesh, baked):
     assert set(contents(baked)) == {"plan.json"}
 
 
-# Refusals --------------------------------------------------------------------------------------------------------------
+# Refusals ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("resume", [False, True])
@@ -276,11 +276,11 @@ def test_lambdas_that_do_not_increase_in_the_unit_interval_are_refused(mesh, tmp
         FieldCacheWriter(tmp_path, mesh, lambdas, {})
 
 
-# The disk --------------------------------------------------------------------------------------------------------------
+# The disk ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("code", "words"), [(errno.ENOSPC, "the disk is full"), (errno.EACCES, "may not be written")])
-def test_a_fault_of_the_disk_keeps_finished_samples_and_leaves_no_litter(mesh, baked, tmp_path, monkeypatch, code, words):
+def test_a_fault_of_the_disk_keeps_samples_and_leaves_no_litter(mesh, baked, tmp_path, monkeypatch, code, words):
     folder = tmp_path / "full"
     writer = FieldCacheWriter(folder, mesh, LAMBDAS, SETTINGS)
     for j in (0, 1):

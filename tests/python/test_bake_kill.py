@@ -1,0 +1,109 @@
+"""A bake that is killed at any moment leaves no torn file, and resumes to the very bytes of an undisturbed bake."""
+
+import contextlib
+import hashlib
+import importlib.util
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from test_cache import contents
+
+KILLS = 20
+SAMPLES = 40
+
+# usd-core starts in a fraction of a second; Blender's own USD is tested elsewhere.
+BAKE = """
+import sys
+if sys.argv[3] == "usd-core":
+    sys.modules["bpy"] = None
+sys.path.insert(0, sys.argv[2])
+import test_cache
+from stormfield.bake import usd
+usd.usd()
+mesh = test_cache.grid(40)
+print("ready", flush=True)
+samples = int(sys.argv[4])
+lambdas = [j / (samples - 1) for j in range(samples)]
+assert test_cache.bake(sys.argv[1], mesh, lambdas=lambdas, resume=True)
+"""
+
+
+def start(folder):
+    flavour = "usd-core" if importlib.util.find_spec("pxr") else "bpy"
+    command = [sys.executable, "-c", BAKE, str(folder), str(Path(__file__).parent), flavour, str(SAMPLES)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    return process
+
+
+def finish(process):
+    assert process.wait(timeout=120) == 0
+
+
+def temporary(name):
+    return name.rpartition("/")[2].startswith(".tmp-")
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory):
+    """The bytes of an undisturbed bake, and the seconds it took."""
+    folder = tmp_path_factory.mktemp("reference")
+    began = time.monotonic()
+    finish(start(folder))
+    return contents(folder), time.monotonic() - began
+
+
+def check_not_torn(folder, expected):
+    for name, data in contents(folder).items():
+        if temporary(name) or name == "plan.json":
+            continue
+        if name.endswith(".sha256"):
+            sample = name.removesuffix(".sha256")
+            assert data.decode().split() == [hashlib.sha256(expected[sample]).hexdigest(), Path(sample).name]
+        else:
+            assert data == expected[name], f"{name} is torn"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
+def test_killed_twenty_times_at_random_moments(reference, tmp_path):
+    expected, seconds = reference
+    rng = random.Random(6)
+    killed = killed_at_work = 0
+    rounds = 0
+    folder = tmp_path / "0"
+    while killed < KILLS:
+        process = start(folder)
+        time.sleep(rng.uniform(0.0, 0.25 * seconds))
+        process.send_signal(signal.SIGKILL)
+        if process.wait() == -signal.SIGKILL:
+            killed += 1
+            if folder.is_dir():
+                check_not_torn(folder, expected)
+                with contextlib.suppress(FileNotFoundError):
+                    found = list((folder / "samples").iterdir())
+                    killed_at_work += len(found) > 0 and not (folder / "manifest.json").exists()
+        else:
+            assert contents(folder) == expected
+        if (folder / "manifest.json").exists():
+            rounds += 1
+            folder = tmp_path / str(rounds)
+    finish(start(folder))
+    assert contents(folder) == expected
+    assert killed_at_work >= KILLS // 3, "the kills came too early or too late to mean anything"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
+def test_leftovers_of_a_killed_writer_disappear(reference, tmp_path):
+    expected, _ = reference
+    finish(start(tmp_path))
+    (tmp_path / "manifest.json").unlink()
+    (tmp_path / "samples/.tmp-elsewhere-123-lam_0001.usdc").write_bytes(b"half")
+    (tmp_path / "samples/lam_0001.usdc.sha256").write_text("0  lam_0001.usdc\n")
+    finish(start(tmp_path))
+    assert contents(tmp_path) == expected
