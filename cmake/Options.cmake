@@ -1,5 +1,8 @@
 # Compiler settings and dependencies of every target, in one place.
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Eigen3 REQUIRED NO_MODULE)  # without a version: 5 does not count as compatible with 3.4, but is
+if(Eigen3_VERSION VERSION_LESS 3.4)
+  message(FATAL_ERROR "Eigen ${Eigen3_VERSION} is too old; install Eigen 3.4 or newer")
+endif()
 find_package(TBB REQUIRED)
 find_package(OpenImageIO REQUIRED)
 # Debian's OpenImageIO names the headers of OpenCV, which nothing here needs and its package does not bring.

@@ -57,7 +57,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
     )
 
 
-def lambda_frames(scene: bpy.types.Scene, obj: bpy.types.Object) -> range:
+def lambda_frames(obj: bpy.types.Object) -> range:
     """The frames between the first and the last key of λ, thinned to at most MAX_POINTS."""
     curve = compat.find_fcurve(obj, "stormfield.lam")
     if curve is None or len(curve.keyframe_points) < 2:
@@ -71,7 +71,7 @@ def lambda_frames(scene: bpy.types.Scene, obj: bpy.types.Object) -> range:
     return frames if frames[-1] == last else [*frames, last]
 
 
-def lambda_at_frames(scene: bpy.types.Scene, obj: bpy.types.Object, frames: list[int]) -> list[float]:
+def lambda_at_frames(obj: bpy.types.Object, frames: list[int]) -> list[float]:
     """λ at each frame, from the F-curve; the value as it stands where λ is not animated."""
     curve = compat.find_fcurve(obj, "stormfield.lam")
     values = [curve.evaluate(frame) if curve else obj.stormfield.lam for frame in frames]
@@ -95,8 +95,8 @@ def _moving_places(context, obj, elements) -> Iterator[list[_Place]]:
     places: list[list[_Place]] = [[] for _ in elements]
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
-    frames = lambda_frames(scene, obj)
-    lams = lambda_at_frames(scene, obj, frames)
+    frames = lambda_frames(obj)
+    lams = lambda_at_frames(obj, frames)
     try:
         highest = -1.0
         for frame, lam in zip(frames, lams, strict=True):

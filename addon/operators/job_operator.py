@@ -63,9 +63,8 @@ class JobOperator(FieldOperator):
         until = time.monotonic() + SLICE
         try:
             while time.monotonic() < until:
-                step = next(self._steps)
-                job.fraction, job.message = step.fraction, step.message
-                if getattr(step, "waiting", False):  # the core works on its own threads: give the time back
+                step = self._next_step(self._steps, job)
+                if step.waiting:  # the core works on its own threads: give the time back
                     break
         except StopIteration as end:
             return self._done(context, end.value)
@@ -93,9 +92,8 @@ class JobOperator(FieldOperator):
         try:
             steps = self.start(context, obj)
             while True:
-                step = next(steps)
-                job.fraction, job.message = step.fraction, step.message
-                if getattr(step, "waiting", False):
+                step = self._next_step(steps, job)
+                if step.waiting:
                     time.sleep(TICK)
         except StopIteration as end:
             running.end()
@@ -104,6 +102,13 @@ class JobOperator(FieldOperator):
             return report_fault(self, fault)
         finally:
             running.end()
+
+    def _next_step(self, steps, job):
+        step = next(steps)
+        job.fraction, job.message = step.fraction, step.message
+        for note in step.notes:
+            self.report({"WARNING"}, note)
+        return step
 
     def _done(self, context, result):
         self._leave(context)

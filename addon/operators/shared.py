@@ -2,8 +2,6 @@
 
 import bpy
 
-from ..model.errors import InputError
-
 
 def active_field(context: bpy.types.Context) -> bpy.types.Object | None:
     """The object whose field is meant: the active one, the one whose element the active object is, or the only one."""
@@ -42,13 +40,9 @@ class ElementOperator(FieldOperator):
 
 
 def report_fault(operator: bpy.types.Operator, fault: Exception) -> set[str]:
-    """A fault in plain words. What the user can mend is said as it is; anything else names itself as our mistake."""
-    if isinstance(fault, (InputError, ValueError)):
-        operator.report({"ERROR"}, str(fault))
-    elif isinstance(fault, MemoryError):
-        operator.report({"ERROR"}, "Not enough memory; use fewer λ samples or a coarser mesh")
-    else:
-        operator.report({"ERROR"}, f"{type(fault).__name__}: {fault}")
+    """A fault in plain words: what is wrong and the cure."""
+    memory = "Not enough memory; use fewer λ samples or a coarser mesh"
+    operator.report({"ERROR"}, memory if isinstance(fault, MemoryError) else str(fault))
     return {"CANCELLED"}
 
 

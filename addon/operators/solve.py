@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..bake.job import solve_steps
 from ..convert import attach, folders
 from ..convert.mesh_arrays import read_polygons
 from ..convert.scene import read_design
@@ -32,10 +33,8 @@ class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
         return True
 
     def start(self, context, obj):
-        from ..bake import job
-
         mesh, design = read_design(context, obj)
-        return job.solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj))
+        return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj))
 
     def finish(self, context, obj, folder):
         attach.attach_lambda(obj, folder)

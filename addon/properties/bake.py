@@ -55,10 +55,10 @@ class BakeProperties(bpy.types.PropertyGroup):
     )
     voxel_size: FloatProperty(
         name="Voxel Size",
-        description="Edge of one voxel, in mesh units (object space)",
-        min=1e-5,
+        description="Edge of one voxel, in mesh units (object space); 0 takes the mean edge length of the mesh",
+        min=0.0,
         soft_max=1.0,
-        default=0.02,
+        default=0.0,
         precision=4,
         step=0.1,
     )

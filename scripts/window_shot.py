@@ -1,0 +1,99 @@
+"""Set up Blender's window for a picture of the add-on; run inside the application and photograph the screen.
+
+    STORMFIELD_SHOT=solved blender --factory-startup -P scripts/window_shot.py
+
+Pictures: empty (a mesh without field), solved (strokes, fixed points, legend), arrows, solving (a solve that runs).
+The compiled core is taken from out/build-*, the add-on from this tree.
+"""
+
+import os
+import sys
+import traceback
+from pathlib import Path
+
+import bpy
+
+ROOT = Path(__file__).resolve().parents[1]
+PICTURE = os.environ.get("STORMFIELD_SHOT", "solved")
+SUBDIVISIONS = int(os.environ.get("STORMFIELD_SUBDIVISIONS", "6"))
+
+
+def load_addon():
+    """The tree's addon/ folder under the name it has when installed."""
+    packages = ROOT / "out" / "packages"
+    packages.mkdir(parents=True, exist_ok=True)
+    link = packages / "stormfield"
+    if not link.is_symlink():
+        link.symlink_to(Path("../../addon"), target_is_directory=True)
+    sys.path[:0] = [str(packages), *(str(path) for path in ROOT.glob("out/build-*/native/bindings"))]
+    import stormfield
+
+    stormfield.register()
+
+
+def view_area():
+    return next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
+
+
+def show_only_our_tab():
+    """Scripts cannot choose a tab of the sidebar; without the others ours is in front."""
+    for panel in bpy.types.Panel.__subclasses__():
+        ours = getattr(panel, "bl_category", "") == "Stormfield"
+        if (panel.bl_space_type, panel.bl_region_type) == ("VIEW_3D", "UI") and not ours and panel.is_registered:
+            bpy.utils.unregister_class(panel)
+
+
+def set_up_view(target=None):
+    """Sidebar on the Stormfield tab, a plain view."""
+    area = view_area()
+    space = area.spaces.active
+    space.show_region_ui = True
+    space.show_region_toolbar = True
+    space.overlay.show_floor = False
+    space.overlay.show_axis_x = space.overlay.show_axis_y = False
+    space.overlay.show_relationship_lines = False
+    space.shading.color_type = "SINGLE"
+    space.shading.single_color = (0.32, 0.34, 0.37)
+    show_only_our_tab()
+    view = space.region_3d
+    view.view_perspective = "PERSP"
+    if target is not None:
+        view.view_location = target.location
+        view.view_rotation = (bpy.context.scene.camera.matrix_world).to_quaternion()
+        view.view_distance = 4.4
+    area.tag_redraw()
+
+
+def picture():
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    if PICTURE == "empty":
+        bpy.ops.mesh.primitive_monkey_add()
+        set_up_view()
+        return
+    from stormfield.presets import storm_merge
+
+    planet = storm_merge.build(bpy.context, subdivisions=SUBDIVISIONS, frames=96)
+    planet.select_set(True)
+    planet.stormfield.look.style = "ARROWS" if PICTURE == "arrows" else "STROKES"
+    set_up_view(planet)
+    area = view_area()
+    with bpy.context.temp_override(area=area, region=area.regions[-1]):
+        if PICTURE == "solving":
+            planet.stormfield.solve.samples = 400
+            bpy.ops.stormfield.solve("INVOKE_DEFAULT")
+        else:
+            print("solve", bpy.ops.stormfield.solve("EXEC_DEFAULT"))
+    bpy.context.scene.frame_set(int(os.environ.get("STORMFIELD_FRAME", "30")))
+
+
+def guarded():
+    try:
+        picture()
+    except Exception:
+        traceback.print_exc()
+
+
+load_addon()
+bpy.context.preferences.view.show_splash = False
+bpy.app.timers.register(guarded, first_interval=1.5)

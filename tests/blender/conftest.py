@@ -1,0 +1,89 @@
+"""Tests of the add-on in a real Blender (the bpy wheel): every test begins with an empty file."""
+
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="the bpy wheel is not installed")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def addon():
+    import stormfield
+
+    stormfield.register()
+    yield stormfield
+    stormfield.unregister()
+
+
+@pytest.fixture(autouse=True)
+def empty_file(addon):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 50
+
+
+@pytest.fixture
+def scene():
+    return bpy.context.scene
+
+
+@pytest.fixture
+def ball(scene):
+    """A sphere of radius 1 with a field, active."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1.0)
+    obj = bpy.context.object
+    obj.name = "Ball"
+    bpy.ops.stormfield.add_field()
+    return obj
+
+
+@pytest.fixture
+def storms(ball, add_curve):
+    """The ball with two vortices at the poles' sides and a stream between: a design that solves fast."""
+    from stormfield.operators.elements import add_element
+
+    for name, x in (("West", -1.0), ("East", 1.0)):
+        empty = bpy.data.objects.new(name, None)
+        empty.location = (x, 0.0, 0.0)
+        bpy.context.scene.collection.objects.link(empty)
+        add_element(ball, empty, type="singular", kind="vortex_ccw", radius=0.35)
+    ball.stormfield.solve.samples = 5
+    return ball
+
+
+@pytest.fixture
+def add_curve(scene):
+    def make(points, name="Curve", kind="POLY", cyclic=False):
+        data = bpy.data.curves.new(name, "CURVE")
+        data.dimensions = "3D"
+        spline = data.splines.new(kind)
+        if kind == "BEZIER":
+            spline.bezier_points.add(len(points) - 1)
+            for target, point in zip(spline.bezier_points, points, strict=True):
+                target.co = point
+                target.handle_left_type = target.handle_right_type = "AUTO"
+        else:
+            spline.points.add(len(points) - 1)
+            for target, point in zip(spline.points, points, strict=True):
+                target.co = (*point, 1.0)
+        spline.use_cyclic_u = cyclic
+        obj = bpy.data.objects.new(name, data)
+        scene.collection.objects.link(obj)
+        return obj
+
+    return make
+
+
+@pytest.fixture
+def attribute():
+    """An attribute of the evaluated mesh as an array."""
+    import numpy as np
+
+    def read(obj, name):
+        mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        found = mesh.attributes.get(name)
+        assert found is not None, f"{name} is not among {mesh.attributes.keys()}"
+        width = 3 if found.data_type == "FLOAT_VECTOR" else 1
+        values = np.empty(len(mesh.vertices) * width, np.float32)
+        found.data.foreach_get("vector" if width == 3 else "value", values)
+        return values.reshape(-1, 3) if width == 3 else values
+
+    return read
