@@ -43,14 +43,14 @@ TIMER, ESC = SimpleNamespace(type="TIMER", value="NOTHING"), SimpleNamespace(typ
 def test_work_is_done_in_slices_and_given_to_finish(runner):
     from stormfield.operators import running
 
-    Runner, Step = runner
+    work, step = runner
 
     def steps():
         for number in range(3):
-            yield Step(number / 3, f"part {number}", waiting=True)
+            yield step(number / 3, f"part {number}", waiting=True)
         return "folder"
 
-    job = Runner(steps())
+    job = work(steps())
     for fraction in (0.0, 1 / 3, 2 / 3):
         assert job.modal(context(), TIMER) == {"PASS_THROUGH"}
         assert running.current().fraction == fraction
@@ -62,17 +62,17 @@ def test_work_is_done_in_slices_and_given_to_finish(runner):
 def test_escape_closes_the_work_at_once(runner, how):
     from stormfield.operators import running
 
-    Runner, Step = runner
+    work, step = runner
     closed = []
 
     def steps():
         try:
             while True:
-                yield Step(0.1, "endless", waiting=True)
+                yield step(0.1, "endless", waiting=True)
         finally:
             closed.append(True)
 
-    job = Runner(steps())
+    job = work(steps())
     job.modal(context(), TIMER)
     if how == "panel":
         assert bpy.ops.stormfield.cancel_job() == {"FINISHED"}
@@ -85,13 +85,13 @@ def test_a_fault_is_told_and_nothing_stays_behind(runner):
     from stormfield.model.errors import InputError
     from stormfield.operators import running
 
-    Runner, Step = runner
+    work, step = runner
 
     def steps():
-        yield Step(0.0, "begin", waiting=True)
+        yield step(0.0, "begin", waiting=True)
         raise InputError("element 'Eye' lies off the surface; move it closer")
 
-    job = Runner(steps())
+    job = work(steps())
     job.modal(context(), TIMER)
     assert job.modal(context(), TIMER) == {"CANCELLED"}
     assert job.reports == [({"ERROR"}, "element 'Eye' lies off the surface; move it closer")]
@@ -101,37 +101,37 @@ def test_a_fault_is_told_and_nothing_stays_behind(runner):
 def test_our_own_mistakes_are_not_swallowed(runner):
     from stormfield.operators import running
 
-    Runner, _Step = runner
+    work, _step = runner
 
     def steps():
         raise KeyError("mistake")
         yield
 
-    job = Runner(steps())
+    job = work(steps())
     with pytest.raises(KeyError):
         job.modal(context(), TIMER)
     assert running.current() is None
 
 
 def test_an_object_deleted_meanwhile_is_no_crash(runner, ball):
-    Runner, _Step = runner
+    work, _step = runner
 
     def steps():
         return "folder"
         yield
 
-    job = Runner(steps())
+    job = work(steps())
     bpy.data.objects.remove(ball)
     assert job.modal(context(), TIMER) == {"CANCELLED"}
     assert "gone" in job.reports[0][1]
 
 
 def test_one_job_at_a_time(runner, storms):
-    Runner, Step = runner
+    work, step = runner
 
     def steps():
-        yield Step(0.0, "begin")
+        yield step(0.0, "begin")
 
-    Runner(steps())
+    work(steps())
     with pytest.raises(RuntimeError, match="press Esc"):
         bpy.ops.stormfield.solve()
