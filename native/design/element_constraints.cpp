@@ -22,6 +22,11 @@ void throwContradiction(const std::vector<DesignElement>& elements, const Target
                    ": move one away, make a radius smaller, or let them act at different lambda");
 }
 
+/// Whether they share a lambda; their fading ends may overlap all the same.
+bool actTogether(const DesignElement& a, const DesignElement& b) {
+  return std::max(a.lambdas.front(), b.lambdas.front()) <= std::min(a.lambdas.back(), b.lambdas.back());
+}
+
 /// Cores of elements that are not singular must not ask for vectors more than a right angle apart; singular elements
 /// have settled this among themselves. `group` holds the targets of one vertex.
 void checkContradiction(const std::vector<DesignElement>& elements, const Target* begin, const Target* end,
@@ -33,6 +38,7 @@ void checkContradiction(const std::vector<DesignElement>& elements, const Target
       const bool oneDisplaces =
           (a->cover > 0.0 || b->cover > 0.0) && !(elements[a->element].hard && elements[b->element].hard);
       if (a->element == b->element || !a->core || !b->core || bothSingular || oneDisplaces) continue;
+      if (!actTogether(elements[a->element], elements[b->element])) continue;
       if ((a->value * std::conj(b->value)).real() < 0.0) throwContradiction(elements, *a, *b, lambda);
     }
 }

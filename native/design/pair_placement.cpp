@@ -10,10 +10,10 @@ namespace stormfield {
 
 namespace {
 
-constexpr double kMostMove = 0.95;     // of an edge, for each storm
-constexpr double kSafeTurn = 0.7;      // radians short of half a turn: more is not better
+constexpr double kMostMove = 0.85;     // of an edge, for each storm
+constexpr double kSafeTurn = 0.45;     // radians short of half a turn: more is not better
 constexpr double kLeastArm = 0.6;      // of an edge, from the saddle to each storm
-constexpr double kPriceOfMoves = 0.2;  // radians of safety per edge length of both moves together
+constexpr double kPriceOfMoves = 0.3;  // radians of safety per edge length of all moves together
 
 /// The surface around the middle of the pair, flat.
 struct Patch {
@@ -80,7 +80,7 @@ double safety(const Patch& patch, Complex a, Complex b, Complex s, double enough
 /// Where a storm may go from its path: nowhere, or onto rings around it, first of all away from the other storm.
 std::vector<Complex> moves(double edge, Complex away) {
   std::vector<Complex> result = {0.0};
-  const std::array<std::pair<double, int>, 4> rings = {{{0.25, 6}, {0.5, 8}, {0.75, 12}, {kMostMove, 16}}};
+  const std::array<std::pair<double, int>, 4> rings = {{{0.2, 6}, {0.45, 8}, {0.65, 12}, {kMostMove, 16}}};
   for (const auto& [radius, count] : rings)
     for (int i = 0; i < count; ++i)
       result.push_back(std::polar(radius * edge, std::arg(away) + 2.0 * std::numbers::pi * i / count));
@@ -114,16 +114,16 @@ std::optional<PairPlacement> placePair(const VertexCharts& charts, const Closest
   along /= std::abs(along);
 
   const std::vector<Complex> movesA = moves(edge, along), movesB = moves(edge, -along);
-  double best = -2.0 * kPriceOfMoves;
+  double best = -3.0 * kPriceOfMoves;
   std::optional<PairPlacement> placement;
   for (const Complex moveA : movesA) {
     for (const Complex moveB : movesB) {
       const Complex ca = za + moveA, cb = zb + moveB, arm = 0.5 * (ca - cb);
       if (std::abs(arm) < kLeastArm * edge || std::real(arm / along) < 0.5 * std::abs(arm)) continue;
-      const double price = kPriceOfMoves * (std::abs(moveA) + std::abs(moveB)) / edge;
-      if (kSafeTurn - price <= best) continue;
       for (const Complex off : {Complex(0.0), Complex(-0.2), Complex(0.2), Complex(0.0, 0.2), Complex(0.0, -0.2)}) {
-        const Complex cs = 0.5 * (ca + cb) + off * arm;
+        const Complex moveS = off * arm, cs = 0.5 * (ca + cb) + moveS;
+        const double price = kPriceOfMoves * (std::abs(moveA) + std::abs(moveB) + std::abs(moveS)) / edge;
+        if (kSafeTurn - price <= best) continue;
         const double safe = safety(patch, ca, cb, cs, std::max(0.0, best + price));
         const double score = std::min(kSafeTurn, safe) - price;
         if (safe <= 0.0 || score <= best) continue;

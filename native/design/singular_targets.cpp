@@ -185,7 +185,7 @@ void SingularTargets::addDisc(const Present& storm, double share, LogMapScratch&
 
 double SingularTargets::addPair(Present a, Present b, LogMapScratch& scratch, std::vector<Target>& targets) const {
   const TriangleMesh& mesh = charts_.mesh();
-  const double edge = meanEdge(mesh, a.state.point.face);
+  const double edge = std::min(meanEdge(mesh, a.state.point.face), mesh.meanEdgeLength());
   const double chord = (position(mesh, a.state.point) - position(mesh, b.state.point)).norm();
   std::optional<PairPlacement> placed;
   if (chord < kCloseEdges * edge)

@@ -56,51 +56,59 @@ inline SpaceTimeResult solved(const ChartsPointer& charts, const std::vector<Des
   return SpaceTimeSolver(charts, solve).solve(elementConstraints(charts, elements, options), progress);
 }
 
-/// Fixed points of sample j by distance from the closest of the paths that are there at its lambda: every path has its
-/// storm within one edge, turning its way; around the storms there is one saddle fewer than storms.
-/// Returns the number of fixed points in the neighbourhood of the storms (`radius` around each).
+/// The storm that stands for a path, of the right kind.
+inline void checkStorm(const FixedPoint& storm, const DesignElement& element, double lambda) {
+  const Complex rot = rotation(element.kind);
+  if (std::abs(rot.imag()) > 0.1) {
+    EXPECT_GT(storm.rotation * rot.imag(), 0.0) << element.name << " at lambda " << lambda;
+  }
+  if (std::abs(rot.real()) > 0.1) {
+    EXPECT_GT(storm.jacobian.trace() * rot.real(), 0.0) << element.name << " at lambda " << lambda;
+  }
+}
+
+/// The elements "one" after lambdaC, the others before; the other way round where one storm splits.
+inline std::vector<DesignElement> actingAt(const std::vector<DesignElement>& elements, double lambda, double lambdaC,
+                                           bool merge) {
+  std::vector<DesignElement> acting;
+  const bool single = std::abs(lambda - lambdaC) <= 1e-9 || (lambda > lambdaC) == merge;
+  for (const DesignElement& element : elements)
+    if ((element.name == "one") == single) acting.push_back(element);
+  return acting;
+}
+
+/// Every path has a storm of its own within one edge length at sample j, of its kind, and the indices add up to the
+/// Euler characteristic. Returns the number of fixed points within a radius of the storms.
 inline std::size_t checkSample(const SpaceTimeResult& result, const std::vector<DesignElement>& elements, Index j,
-                               double lambdaC, bool mergeAtC) {
+                               double lambdaC, bool merge) {
   const TriangleMesh& mesh = result.field.charts->mesh();
   const ClosestPointQuery query(result.field.charts->meshPointer());
   const double lambda = result.field.lambdas[j];
   const std::vector<FixedPoint> found = findFixedPoints(sampleField(result.field, j));
-  std::vector<char> taken(found.size(), 0);
+  const std::vector<DesignElement> acting = actingAt(elements, lambda, lambdaC, merge);
   std::vector<Vec3> places;
-  for (const DesignElement& element : elements) {
-    const bool single = element.name == "one";
-    const bool before = lambda < lambdaC - 1e-9, at = std::abs(lambda - lambdaC) <= 1e-9;
-    if (single != (at || before != mergeAtC)) continue;
-    const Vec3 place = SurfacePath(mesh, query, element).positionAt(lambda);
-    places.push_back(place);
-    std::size_t best = found.size();
-    double distance = 1e9;
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      const double d = (found[k].position - place).norm();
-      if (found[k].index == 1 && !taken[k] && d < distance) {
-        best = k;
-        distance = d;
-      }
+  for (const DesignElement& element : acting) places.push_back(SurfacePath(mesh, query, element).positionAt(lambda));
+
+  // One or two storms: the choice of fixed points whose farthest is closest.
+  std::vector<std::size_t> best;
+  double least = 1e9;
+  for (std::size_t p = 0; p < found.size(); ++p)
+    for (std::size_t q = 0; q < found.size(); ++q) {
+      if (found[p].index != 1 || found[q].index != 1 || (places.size() == 2) == (p == q)) continue;
+      const double farthest =
+          std::max((found[p].position - places.front()).norm(), (found[q].position - places.back()).norm());
+      if (farthest >= least) continue;
+      least = farthest;
+      best = {p, q};
     }
-    EXPECT_LT(distance, mesh.meanEdgeLength()) << element.name << " at lambda " << lambda;
-    if (best == found.size()) continue;
-    taken[best] = 1;
-    const Complex rot = rotation(element.kind);
-    const double trace = found[best].jacobian.trace(), turn = found[best].rotation;
-    if (std::abs(rot.imag()) > 0.1) {
-      EXPECT_GT(turn * rot.imag(), 0.0) << element.name << " at lambda " << lambda;
-    }
-    if (std::abs(rot.real()) > 0.1) {
-      EXPECT_GT(trace * rot.real(), 0.0) << element.name << " at lambda " << lambda;
-    }
-  }
+  EXPECT_LT(least, mesh.meanEdgeLength()) << "lambda " << lambda;
+  for (std::size_t i = 0; i < acting.size() && !best.empty(); ++i) checkStorm(found[best[i]], acting[i], lambda);
+
   std::size_t nearby = 0;
   int sum = 0;
   for (const FixedPoint& p : found) {
-    const bool near = std::any_of(places.begin(), places.end(), [&](const Vec3& place) {
-      return (p.position - place).norm() < elements.front().radius;
-    });
-    nearby += near;
+    nearby += std::any_of(places.begin(), places.end(),
+                          [&](const Vec3& place) { return (p.position - place).norm() < elements.front().radius; });
     sum += p.index;
   }
   if (mesh.boundaryLoopCount() == 0) {

@@ -88,9 +88,9 @@ TEST(Elements, CurveOffTheSurfaceIsRefused) {
 }
 
 TEST(Elements, ContradictionsNameBothElementsVertexAndLambda) {
-  const DesignElement sink = singular("snk", SingularKind::Sink, {{0.1, 0.1, 0.0}}, {0.5, 1.0}, 0.3);
+  const DesignElement sink = singular("snk", SingularKind::Sink, {{0.15, 0.12, 0.0}}, {0.5, 1.0}, 0.3);
   EXPECT_EQ(fault({source(), sink}),
-            "\"src\" (source) and \"snk\" (sink) contradict each other at vertex 60, lambda 0.5: move one away, or end "
+            "\"src\" (source) and \"snk\" (sink) contradict each other at vertex 72, lambda 0.5: move one away, or end "
             "both where a third path starts to merge them");
   const DesignElement east = curve("east", ElementType::Streamline, {{-0.5, 0, 0}, {0.5, 0, 0}});
   const DesignElement west = curve("west", ElementType::Streamline, {{0.5, 0, 0}, {-0.5, 0, 0}});

@@ -26,11 +26,6 @@ std::vector<DesignElement> onTheSphere(SingularKind kind) {
   return merge(kind, onSphere(-0.9, 0.25), onSphere(0.8, -0.2), onSphere(0.0, 0.0), onSphere(0.1, 0.3), 0.45);
 }
 
-struct Case {
-  const char* name;
-  SingularKind kind;
-};
-
 class StormsOfKind : public testing::TestWithParam<SingularKind> {};
 
 TEST_P(StormsOfKind, MergeOnTheSphere) {
@@ -76,7 +71,6 @@ TEST(Storms, OneMayWaitForTheOther) {
   checkMerge(solved(surfaces::sphere(14), elements, 41), elements, 0.6);
 }
 
-// The saddle between two storms of one path each must not be closer to a path than the path's own storm.
 TEST(Storms, FixedElementsOfEveryKindAreFound) {
   const auto charts = surfaces::sphere(12);
   for (int k = 0; k < 9; ++k) {
@@ -140,22 +134,23 @@ TEST(Storms, SmallerThanTheMeshBecomesThreeConstraints) {
   EXPECT_LT(nearest, charts->mesh().meanEdgeLength());
 }
 
-/// Largest change of the targets of one vertex between neighbouring samples, relative to the speed.
+// At the meeting point itself the zeros of a pair give way to one zero, in a disc of a few edges.
 TEST(Storms, NothingJumpsInLambda) {
   const auto charts = surfaces::sphere(24);
+  const TriangleMesh& mesh = charts->mesh();
   const auto elements = onTheSphere(SingularKind::VortexCcw);
-  const auto change = [&](Index samples) {
+  const double speed = elements[0].strength * mesh.size();
+  const auto largestChange = [&](Index samples) {
     const auto result = solved(charts, elements, samples);
-    const double speed = elements[0].strength * charts->mesh().size();
     double largest = 0.0;
-    const Index n = charts->mesh().vertexCount();
     for (Index j = 0; j + 1 < samples; ++j)
-      for (Index v = 0; v < n; ++v)
-        largest = std::max(largest, std::abs(result.field.sample(j + 1)[v] - result.field.sample(j)[v]) / speed);
+      for (Index v = 0; v < mesh.vertexCount(); ++v)
+        if ((mesh.point(v) - onSphere(0.0, 0.0)).norm() > 4.0 * mesh.meanEdgeLength())
+          largest = std::max(largest, std::abs(result.field.sample(j + 1)[v] - result.field.sample(j)[v]) / speed);
     return largest;
   };
-  const double coarse = change(40), fine = change(160);
-  std::printf("largest change between samples: %.3f at 40, %.3f at 160 samples\n", coarse, fine);
+  const double coarse = largestChange(40), fine = largestChange(160);
+  std::printf("largest change between samples, in speeds: %.3f at 40, %.3f at 160 samples\n", coarse, fine);
   EXPECT_LT(fine, 0.5 * coarse);
 }
 
