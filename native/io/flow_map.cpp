@@ -75,6 +75,8 @@ std::string exrBytes(const FlowMapImage& image, bool half, const Metadata& metad
   oiio::ImageSpec spec(image.width, image.height, 4, half ? oiio::TypeHalf : oiio::TypeFloat);
   spec.attribute("compression", "zip");
   spec.attribute("oiio:ColorSpace", "raw");
+  // Without a date OpenImageIO writes the present one, and no two bakes would be equal.
+  spec.attribute("DateTime", "1970:01:01 00:00:00");
   for (const auto& [name, text] : metadata) spec.attribute(name, text);
 
   std::vector<unsigned char> bytes;

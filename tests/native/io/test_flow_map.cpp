@@ -79,6 +79,7 @@ TEST(FlowMap, ExrComesBackBitForBitWithItsMetadata) {
   EXPECT_EQ(input->spec().format, oiio::TypeFloat);
   EXPECT_EQ(input->spec().get_string_attribute("stormfield:basis"), "uv");
   EXPECT_EQ(input->spec().get_string_attribute("stormfield:lambda"), "0.25");
+  EXPECT_EQ(input->spec().get_string_attribute("DateTime"), "1970:01:01 00:00:00");  // not the present
   std::vector<float> read(60);
   ASSERT_TRUE(input->read_image(0, 0, 0, 4, oiio::TypeFloat, read.data()));
   EXPECT_EQ(read, image.pixels);

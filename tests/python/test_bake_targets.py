@@ -1,0 +1,239 @@
+"""The whole pipeline without Blender's scene: design → λ cache → EXR and VDB, resumable at every step."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from stormfield import native
+from stormfield.bake import job
+from stormfield.bake.cache import open_cache
+from stormfield.bake.exr import ExrSettings
+from stormfield.bake.vdb import VdbSettings
+from stormfield.model.design import Design, Element, SolveSettings
+from stormfield.model.errors import InputError
+from stormfield.model.mesh_data import MeshData
+from stormfield.readers.icosphere import icosphere
+from test_cache import contents
+
+DESIGN = Design(
+    elements=(
+        Element("west", "singular", ((1, 0, 0.3), (0.8, 0.6, 0)), kind="vortex_ccw", radius=0.4),
+        Element("east", "singular", ((-1, 0, 0.3),), kind="spiral_in_cw", radius=0.4, field="advection"),
+        Element("drift", "regular", ((0, 1, 0), (0, 1, 0.3)), radius=0.3, field="orientation"),
+    ),
+    settings=SolveSettings(samples=5),
+)
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    """A sphere whose UV layer is the map from above (overlapping) and one that leaves the lower half out."""
+    sphere = icosphere(500)
+    corners = sphere.vertices[sphere.triangles]
+    above = (0.5 + 0.45 * corners[:, :, :2]).astype(np.float32)
+    upper = np.where((corners[:, :, 2].min(axis=1) >= 0)[:, None, None], above, np.float32(0.1))
+    return MeshData(sphere.vertices, sphere.triangles, {"above": above, "upper": upper})
+
+
+@pytest.fixture(scope="module")
+def solved(mesh, tmp_path_factory):
+    return job.run(job.solve_steps(mesh, DESIGN, tmp_path_factory.mktemp("root")))
+
+
+@pytest.fixture
+def task(mesh, solved, tmp_path):
+    return job.BakeTask(
+        cache=solved,
+        mesh=mesh,
+        frames=(1, 2, 3, 4),
+        lambdas=(0.0, 0.3, 0.6, 1.0),
+        root=tmp_path,
+        targets=frozenset({"exr", "vdb"}),
+        exr=ExrSettings(uv_layer="upper", resolution=64),
+        vdb=VdbSettings(voxel_size=0.1),
+    )
+
+
+# Solve ----------------------------------------------------------------------------------------------------------------
+
+
+def test_a_solve_is_a_cache_of_its_own_design(mesh, solved):
+    cache = open_cache(solved)
+    cache.check_mesh(mesh)
+    assert np.array_equal(cache.lambdas, np.linspace(0, 1, 5))
+    assert Design.from_json(cache.settings["design"]) == DESIGN
+    sample = cache.sample(2)
+    assert {"sf_orientation", "sf_advection", "sf_speed"} <= sample.keys()
+    assert np.allclose(sample["sf_speed"], np.linalg.norm(sample["sf_advection"], axis=1), rtol=1e-5)
+    assert not np.allclose(sample["sf_orientation"], sample["sf_advection"])
+    normals = native.TriangleMesh(mesh.vertices, mesh.triangles).normals
+    assert np.abs(np.einsum("ij,ij->i", sample["sf_advection"], normals)).max() < 1e-6
+
+
+def test_the_same_design_is_found_again_and_another_gets_another_folder(mesh, solved, monkeypatch):
+    before = contents(solved)
+    with monkeypatch.context() as patch:
+        patch.setattr(job.solve, "start_solve", lambda *a: pytest.fail("solved again"))
+        assert job.run(job.solve_steps(mesh, DESIGN, solved.parent)) == solved
+    assert contents(solved) == before
+    other = replace(DESIGN, settings=SolveSettings(samples=3))
+    folder = job.run(job.solve_steps(mesh, other, solved.parent))
+    assert folder != solved and folder.parent == solved.parent
+    assert contents(solved) == before
+
+
+def test_a_solve_stopped_at_any_step_resumes_to_the_same_bytes(mesh, solved, tmp_path):
+    expected = contents(solved)
+    for stop in range(2, 200, 2):
+        steps = job.solve_steps(mesh, DESIGN, tmp_path)
+        try:
+            for number, step in enumerate(steps):
+                assert 0.0 <= step.fraction <= 1.0 and step.message
+                if number == stop:
+                    break
+            else:
+                break
+        finally:
+            steps.close()
+    (folder,) = tmp_path.iterdir()
+    assert contents(folder) == expected
+
+
+def test_fractions_never_go_back(mesh, tmp_path):
+    fractions = [step.fraction for step in job.solve_steps(mesh, DESIGN, tmp_path)]
+    assert fractions == sorted(fractions) and fractions[-1] == 1.0
+
+
+# Targets --------------------------------------------------------------------------------------------------------------
+
+
+def read_exr(path):
+    """Pixels (height, width, 4) and header through Blender's OpenImageIO."""
+    bpy = pytest.importorskip("bpy")
+    bpy.utils.expose_bundled_modules()
+    import OpenImageIO
+
+    image = OpenImageIO.ImageInput.open(str(path))
+    attributes = {attribute.name: attribute.value for attribute in image.spec().extra_attribs}
+    return np.asarray(image.read_image("float")), attributes
+
+
+def test_flow_maps_hold_the_field_and_say_what_they_are(task, mesh):
+    result = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}))))
+    assert result.whole and any("no area" in remark for remark in result.remarks)
+    pixels, header = read_exr(result.folders["exr"] / "frames/frame_0002.exr")
+    assert header["stormfield:basis"] == "uv"
+    assert header["stormfield:lambda"] == "0.3"
+    assert header["stormfield:mesh"] == mesh.fingerprint()
+    assert "UV units per second" in header["stormfield:channels"]
+    # At the centre of the map is the pole, where u, v are 0.45 x, 0.45 y.
+    sample = open_cache(task.cache).at(0.3)["sf_advection"]
+    surface = native.TriangleMesh(mesh.vertices, mesh.triangles)
+    field = native.VectorField.from_space(surface, sample.astype(float))
+    x, y = 36, 28
+    u, v = (x + 0.5) / 64, 1 - (y + 0.5) / 64
+    place = np.array([[(u - 0.5) / 0.45, (v - 0.5) / 0.45, 1.0]])
+    place[0, 2] = np.sqrt(1 - place[0, 0] ** 2 - place[0, 1] ** 2)
+    vector = field.evaluate(*surface.closest_points(place)[:2])[0]
+    assert np.allclose(pixels[y, x, :2], 0.45 * vector[:2], atol=0.03 * np.linalg.norm(vector))
+    assert np.isclose(pixels[y, x, 2], np.linalg.norm(vector), rtol=0.03)
+    assert pixels[y, x, 3] == 1.0 and pixels[0, 0, 3] == 0.0
+
+
+def test_sixteen_bits_and_object_space(task):
+    exr = ExrSettings(uv_layer="upper", resolution=32, basis="object", half=True, field="orientation")
+    result = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}), exr=exr)))
+    pixels, header = read_exr(result.folders["exr"] / "frames/frame_0001.exr")
+    assert header["stormfield:field"] == "orientation"
+    assert np.abs(pixels[16, 16, 2]) < 0.1 * np.abs(pixels[16, 16, :2]).max()  # tangent at the pole
+
+
+def test_an_overlapping_layer_is_reported(task):
+    exr = ExrSettings(uv_layer="above", resolution=32)
+    result = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}), exr=exr)))
+    assert any("overlaps itself" in remark for remark in result.remarks)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"exr": ExrSettings(uv_layer="nope")}, "no UV layer 'nope'; choose one of 'above', 'upper'"),
+        ({"exr": ExrSettings(basis="polar")}, "basis"),
+        ({"exr": ExrSettings(field="curl")}, "field 'curl'"),
+        ({"exr": ExrSettings(resolution=0)}, "pixels"),
+        ({"vdb": VdbSettings(voxel_size=1e-6)}, "million voxels"),
+        ({"targets": frozenset({"abc"})}, "unknown target 'abc'"),
+        ({"only": frozenset({3, 9})}, "frame 9 is outside the bake, 1 to 4"),
+        ({"frames": (1, 2)}, "λ at each"),
+    ],
+)
+def test_bad_tasks_are_refused(task, change, words):
+    with pytest.raises((InputError, native.InputError), match=words):
+        job.run(job.bake_steps(replace(task, **change)))
+
+
+def test_a_mesh_without_uv_layer_and_a_foreign_mesh_are_refused(task, mesh):
+    bare = MeshData(mesh.vertices, mesh.triangles)
+    with pytest.raises(InputError, match="needs? a UV layer"):
+        job.run(job.bake_steps(replace(task, mesh=bare)))
+    foreign = MeshData(mesh.vertices * 1.5, mesh.triangles, mesh.uv_layers)
+    with pytest.raises(InputError, match="another mesh"):
+        job.run(job.bake_steps(replace(task, mesh=foreign)))
+
+
+def test_volumes_are_read_by_blenders_openvdb(task, mesh):
+    bpy = pytest.importorskip("bpy")
+    result = job.run(job.bake_steps(replace(task, targets=frozenset({"vdb"}))))
+    bpy.utils.expose_bundled_modules()
+    import openvdb
+
+    grids, metadata = openvdb.readAll(str(result.folders["vdb"] / "frames/frame_0003.vdb"))
+    assert {grid.name for grid in grids} == {"sf_orientation", "sf_advection", "sf_speed", "sf_distance"}
+    assert metadata["stormfield:lambda"] == "0.6"
+    assert metadata["stormfield:mesh"] == mesh.fingerprint()
+    (advection,) = (grid for grid in grids if grid.name == "sf_advection")
+    sample = open_cache(task.cache).at(0.6)["sf_advection"]
+    surface = native.TriangleMesh(mesh.vertices, mesh.triangles)
+    field = native.VectorField.from_space(surface, sample.astype(float))
+    place = np.array(advection.transform.indexToWorld((8, 4, 5)))
+    expected = field.evaluate(*surface.closest_points(place[None])[:2])[0]
+    assert np.allclose(advection.getConstAccessor().getValue((8, 4, 5)), expected, atol=1e-6)
+
+
+def test_any_split_of_the_frames_gives_the_same_bytes(task, tmp_path):
+    whole = job.run(job.bake_steps(replace(task, root=tmp_path / "whole")))
+    split = replace(task, root=tmp_path / "split")
+    first = job.run(job.bake_steps(replace(split, only=frozenset({2, 3}))))
+    assert not first.whole
+    assert not (first.folders["exr"] / "manifest.json").exists()
+    second = job.run(job.bake_steps(replace(split, only=frozenset({1, 4}))))
+    assert second.whole
+    for target in ("exr", "vdb"):
+        assert contents(whole.folders[target]) == contents(second.folders[target])
+
+
+def test_a_bake_stopped_at_any_step_resumes_to_the_same_bytes(task, tmp_path):
+    expected = job.run(job.bake_steps(replace(task, root=tmp_path / "whole")))
+    stopped = replace(task, root=tmp_path / "stopped")
+    for stop in range(1, 100):
+        steps = job.bake_steps(stopped)
+        ended = True
+        for number, _ in enumerate(steps):
+            if number == stop:
+                ended = False
+                break
+        steps.close()
+        if ended:
+            break
+    result = job.run(job.bake_steps(stopped))
+    for target in ("exr", "vdb"):
+        assert contents(result.folders[target]) == contents(expected.folders[target])
+
+
+def test_changed_settings_start_the_images_anew(task):
+    first = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}))))
+    before = contents(first.folders["exr"])
+    smaller = ExrSettings(uv_layer="upper", resolution=32)
+    second = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}), exr=smaller)))
+    after = contents(second.folders["exr"])
+    assert before.keys() == after.keys() and all(before[name] != after[name] for name in before)
