@@ -35,13 +35,8 @@ def design(scene: bpy.types.Scene, monkey: bpy.types.Object, eyes: bool) -> None
     curve("Storm West", WEST, lam_end=MERGE, **storm)
     curve("Storm East", EAST, lam_end=MERGE, **storm)
     curve("Merged Storm", TOGETHER, lam_start=MERGE, **storm)
-    curve(
-        "Muzzle",
-        ((-0.3, -0.45), (-0.1, -0.52), (0.1, -0.52), (0.3, -0.45)),
-        type="streamline",
-        strength=0.1,
-        radius=0.08,
-    )
+    muzzle = ((-0.16, -0.5), (-0.06, -0.56), (0.06, -0.56), (0.16, -0.5))
+    curve("Muzzle", muzzle, type="streamline", strength=0.1, radius=0.08)
     if eyes:  # components of their own: without an element their field would be zero
         for side, x in (("West", -0.35), ("East", 0.35)):
             middle = shapes.front_points(monkey, [(x, 0.25)])[0]

@@ -21,7 +21,7 @@ HEAD = (
 )
 
 
-def _take_evaluated(scene: bpy.types.Scene, obj: bpy.types.Object, name: str) -> bpy.types.Mesh:
+def _take_evaluated(obj: bpy.types.Object, name: str) -> bpy.types.Mesh:
     """The object's mesh after its modifiers."""
     bpy.context.view_layer.update()
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
@@ -32,8 +32,9 @@ def _take_evaluated(scene: bpy.types.Scene, obj: bpy.types.Object, name: str) ->
 
 def _replaced(scene: bpy.types.Scene, obj: bpy.types.Object, name: str) -> bpy.types.Object:
     """A plain mesh object in the place of one with modifiers."""
-    result = bpy.data.objects.new(name, _take_evaluated(scene, obj, name))
+    mesh = _take_evaluated(obj, name)
     bpy.data.objects.remove(obj)
+    result = bpy.data.objects.new(name, mesh)
     result.data.shade_smooth()
     scene.collection.objects.link(result)
     return result

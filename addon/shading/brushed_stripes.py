@@ -25,6 +25,7 @@ def stripes_group() -> bpy.types.NodeTree:
     add_input(tree, "Stripes", 3.0, 0, 100, "Stripes across one patch")
     add_input(tree, "Sharpness", 2.0, 0, 20, "Steepness of the stripes' edges")
     add_input(tree, "Wear", 0.25, 0, 1, "How much noise eats into the edges")
+    add_input(tree, "Eye Speed", 0.12, 0, 100, "Below this speed of the orientation field the stripes fade out")
     given = group_inputs(tree)
     carried = tree.group(advected_coordinates())
     along = tree.attribute("sf_orientation", "Vector")
@@ -36,7 +37,9 @@ def stripes_group() -> bpy.types.NodeTree:
     ]
     angle = tree.math("ARCTAN2", parts[0][1] + parts[1][1], parts[0][0] + parts[1][0])
     wear = tree.group(flow_noise(), scale=given["Scale"] * 8.0, detail=3.0)["Value"] - 0.5
-    wave = tree.math("COSINE", angle) + wear * given["Wear"] * 4.0
+    # At a fixed point the direction is undefined: a plain eye covers it.
+    eye = tree.vector("LENGTH", along).ramp(0.0, 1.0, given["Eye Speed"])
+    wave = tree.math("COSINE", angle) * eye - (1.0 - eye) * 0.8 + wear * given["Wear"] * 4.0
     set_outputs(tree, stripe=(wave * given["Sharpness"] * 0.5 + 0.5).clamped(), wave=wave, wear=wear, angle=angle)
     return tree.tree
 

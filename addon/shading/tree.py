@@ -67,8 +67,11 @@ class Socket:
     def clamped(self) -> Socket:
         return self.tree.math("ADD", self, 0.0, clamp=True)
 
-    def ramp(self, low: float, high: float) -> Socket:
-        """0 below ``low``, 1 above ``high``, smooth between (also for low > high, then falling)."""
+    def ramp(self, low: float, high: float, width: Operand | None = None) -> Socket:
+        """0 below ``low``, 1 above ``high``, smooth between (also for low > high, then falling); both in units
+        of ``width``."""
+        if width is not None:
+            return (self / width).ramp(low, high)
         node = self.tree.node("ShaderNodeMapRange", interpolation_type="SMOOTHSTEP")
         first, last = (0.0, 1.0) if low < high else (1.0, 0.0)
         node.inputs["From Min"].default_value, node.inputs["From Max"].default_value = min(low, high), max(low, high)
