@@ -174,7 +174,7 @@ def test_bad_tasks_are_refused(task, change, words):
 
 def test_a_mesh_without_uv_layer_and_a_foreign_mesh_are_refused(task, mesh):
     bare = MeshData(mesh.vertices, mesh.triangles)
-    with pytest.raises(InputError, match="needs? a UV layer"):
+    with pytest.raises(InputError, match=r"needs? a UV layer"):
         job.run(job.bake_steps(replace(task, mesh=bare)))
     foreign = MeshData(mesh.vertices * 1.5, mesh.triangles, mesh.uv_layers)
     with pytest.raises(InputError, match="another mesh"):
