@@ -14,13 +14,13 @@ from __future__ import annotations
 import bpy
 
 from .groups import advected_coordinates, flow_noise
-from .tree import add_input, group_inputs, new_group, new_material, set_outputs, srgb
+from .tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs, srgb
 
 GROUP = "Stormfield Stripes"
 
 
-def stripes_group() -> bpy.types.NodeTree:
-    tree = new_group(GROUP)
+@node_group(GROUP)
+def stripes_group(tree: Tree) -> None:
     add_input(tree, "Scale", 3.0, 0, 1000, "Size of a patch of stripes: patches per unit of length")
     add_input(tree, "Stripes", 3.0, 0, 100, "Stripes across one patch")
     add_input(tree, "Sharpness", 2.0, 0, 20, "Steepness of the stripes' edges")
@@ -41,7 +41,6 @@ def stripes_group() -> bpy.types.NodeTree:
     eye = tree.vector("LENGTH", along).ramp(0.0, 1.0, given["Eye Speed"])
     wave = tree.math("COSINE", angle) * eye - (1.0 - eye) * 0.8 + wear * given["Wear"] * 4.0
     set_outputs(tree, stripe=(wave * given["Sharpness"] * 0.5 + 0.5).clamped(), wave=wave, wear=wear, angle=angle)
-    return tree.tree
 
 
 def brushed_stripes(**settings: float) -> bpy.types.Material:

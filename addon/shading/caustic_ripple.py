@@ -10,13 +10,13 @@ from __future__ import annotations
 import bpy
 
 from .groups import flow_noise
-from .tree import add_input, group_inputs, new_group, new_material, set_outputs
+from .tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs
 
 GROUP = "Stormfield Caustics"
 
 
-def caustics_group() -> bpy.types.NodeTree:
-    tree = new_group(GROUP)
+@node_group(GROUP)
+def caustics_group(tree: Tree) -> None:
     add_input(tree, "Scale", 4.0, 0, 1000, "Ripples per unit of length")
     add_input(tree, "Focus", 45.0, 1, 200, "Thinness of the lines of light")
     given = group_inputs(tree)
@@ -29,7 +29,6 @@ def caustics_group() -> bpy.types.NodeTree:
 
     first, second = rays(given["Scale"]), rays(given["Scale"] * 1.7)
     set_outputs(tree, light=first * 0.55 + second * 0.35 + first * second * 1.2)
-    return tree.tree
 
 
 def caustic_ripple(**settings: float) -> bpy.types.Material:

@@ -13,18 +13,16 @@ which keeps the variance the same at every moment.
 
 from __future__ import annotations
 
-import bpy
-
-from .tree import Socket, add_input, group_inputs, new_group, set_outputs
+from .tree import Socket, Tree, add_input, group_inputs, node_group, set_outputs
 
 COORDINATES = "Stormfield Advected Coordinates"
 FLOW_NOISE = "Stormfield Flow Noise"
 FLOW_VALUE = "Stormfield Phase Blend"
 
 
-def advected_coordinates() -> bpy.types.NodeTree:
+@node_group(COORDINATES)
+def advected_coordinates(tree: Tree) -> None:
     """What the mesh carries: both phases with their variance-preserving weights, direction, speed, stream function."""
-    tree = new_group(COORDINATES)
     weight_b = tree.attribute("sf_blend", "Fac")
     weight_a = 1.0 - weight_b
     norm = tree.math("SQRT", weight_a * weight_a + weight_b * weight_b)
@@ -35,26 +33,24 @@ def advected_coordinates() -> bpy.types.NodeTree:
         weight_a=weight_a / norm,
         weight_b=weight_b / norm,
     )
-    return tree.tree
 
 
-def phase_blend() -> bpy.types.NodeTree:
+@node_group(FLOW_VALUE)
+def phase_blend(tree: Tree) -> None:
     """The two phases of any texture, of mean 0.5, blended with their variance kept."""
-    tree = new_group(FLOW_VALUE)
     for name, default in (("A", 0.5), ("B", 0.5), ("Weight A", 1.0), ("Weight B", 0.0)):
         add_input(tree, name, default)
     given = group_inputs(tree)
     blended = (given["A"] - 0.5) * given["Weight A"] + (given["B"] - 0.5) * given["Weight B"] + 0.5
     set_outputs(tree, value=blended)
-    return tree.tree
 
 
-def flow_noise() -> bpy.types.NodeTree:
+@node_group(FLOW_NOISE)
+def flow_noise(tree: Tree) -> None:
     """fBm carried by the flow, of mean 0.5 and constant contrast.
 
     ``Stretch`` shrinks the coordinates along the object's x and y: streaks along latitudes of a planet that turns
     about z. 1 = none."""
-    tree = new_group(FLOW_NOISE)
     add_input(tree, "Scale", 6.0, 0.0, 1000.0, "Features per unit length of the mesh")
     add_input(tree, "Detail", 4.0, 0.0, 15.0, "Octaves")
     add_input(tree, "Roughness", 0.55, 0.0, 1.0, "Contrast of each octave relative to the one before")
@@ -73,4 +69,3 @@ def flow_noise() -> bpy.types.NodeTree:
         phase_blend(), a=values["A"], b=values["B"], weight_a=carried["Weight A"], weight_b=carried["Weight B"]
     )
     set_outputs(tree, value=blend["Value"])
-    return tree.tree

@@ -12,15 +12,15 @@ from __future__ import annotations
 import bpy
 
 from .groups import flow_noise
-from .tree import add_input, group_inputs, new_group, new_material, set_outputs
+from .tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs
 
 GROUP = "Stormfield Lava"
 GLOW = ((0.0, "#000000"), (0.25, "#3a0500"), (0.5, "#b52400"), (0.75, "#ff7a12"), (1.0, "#ffe08a"))
 CRUST = ((0.25, "#120f0e"), (0.5, "#2a221e"), (0.75, "#54453c"))
 
 
-def lava_group() -> bpy.types.NodeTree:
-    tree = new_group(GROUP)
+@node_group(GROUP)
+def lava_group(tree: Tree) -> None:
     add_input(tree, "Scale", 3.0, 0, 100, "Floes of crust per unit of length")
     add_input(tree, "Crack Width", 0.022, 0.001, 1, "Share of the surface that glows")
     add_input(tree, "Roughness", 0.55, 0, 1, "Raggedness of the cracks")
@@ -43,7 +43,6 @@ def lava_group() -> bpy.types.NodeTree:
         heat=heat,
         height=grain * 0.6 - halo * 0.6,
     )
-    return tree.tree
 
 
 def lava(**settings: float) -> bpy.types.Material:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import bpy
 
 from .groups import advected_coordinates, phase_blend
-from .tree import add_input, add_vector_input, group_inputs, new_group, new_material, set_outputs, srgb
+from .tree import Tree, add_input, add_vector_input, group_inputs, new_material, node_group, set_outputs, srgb
 
 GROUP, LAYER = "Storm Clouds", "Storm Clouds Layer"
 BANDS = (
@@ -28,9 +28,9 @@ STORM = (
 )  # fmt: skip
 
 
-def layer_group() -> bpy.types.NodeTree:
+@node_group(LAYER)
+def layer_group(tree: Tree) -> None:
     """The noises of one phase: swirls and filaments, bent by one warp, and an unbent relief."""
-    tree = new_group(LAYER)
     add_vector_input(tree, "Coordinate")
     add_input(tree, "Eddies", 7.0, 0, 100)
     add_input(tree, "Filaments", 20.0, 0, 500)
@@ -45,11 +45,10 @@ def layer_group() -> bpy.types.NodeTree:
         fine=tree.noise(warped, given["Filaments"], 4.0, 0.7),
         relief=tree.noise(streaky, given["Filaments"] * 1.8, 1.0, 0.6),
     )
-    return tree.tree
 
 
-def storm_clouds_group() -> bpy.types.NodeTree:
-    tree = new_group(GROUP)
+@node_group(GROUP)
+def storm_clouds_group(tree: Tree) -> None:
     add_input(tree, "Band Scale", 3.85, -100, 100, "Bands per unit of the stream function")
     add_input(tree, "Band Offset", 0.5, -10, 10, "Which colour of the bands lies where the stream function is zero")
     add_input(tree, "Turbulence", 0.18, 0, 2, "How far eddies carry the bands' colours across their borders")
@@ -90,7 +89,6 @@ def storm_clouds_group() -> bpy.types.NodeTree:
     edge = tree.facing()
     color = tree.mix(edge * edge * edge * given["Haze"], color, srgb("#a9c3dc"))
     set_outputs(tree, color=color, height=flow("Relief"))
-    return tree.tree
 
 
 def storm_clouds(relief: float = 0.0012, **settings: float) -> bpy.types.Material:

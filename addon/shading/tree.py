@@ -8,12 +8,14 @@ distance from the output, for whoever opens the material.
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import bpy
 
+VERSION = 1  # of the node groups: raise it when a group changes
 COLUMN, ROW = 190.0, 46.0  # spacing of the layout, in the node editor's pixels
 
 Operand: TypeAlias = "Socket | float | Sequence[float]"
@@ -238,12 +240,26 @@ class Tree:
             filled[depth[node]] = y - ROW - 24.0 * visible
 
 
-def new_group(name: str) -> Tree:
-    """An empty shader node group of that name; an older one of the name is emptied and rebuilt, its users follow."""
-    group = bpy.data.node_groups.get(name) or bpy.data.node_groups.new(name, "ShaderNodeTree")
-    group.nodes.clear()
-    group.interface.clear()
-    return Tree(group)
+def node_group(name: str) -> Callable[[Callable[[Tree], None]], Callable[[], bpy.types.NodeTree]]:
+    """Decorator of a function that fills a shader node group: the group is built once in a file and shared by all
+    materials. Building it again in place would cut the links of those that use it, so a group of an older add-on stays
+    with its materials."""
+
+    def decorate(fill: Callable[[Tree], None]) -> Callable[[], bpy.types.NodeTree]:
+        @functools.wraps(fill)
+        def shared() -> bpy.types.NodeTree:
+            mark = f"{name} {VERSION}"
+            for known in bpy.data.node_groups:
+                if known.get("stormfield") == mark:
+                    return known
+            made = bpy.data.node_groups.new(name, "ShaderNodeTree")
+            made["stormfield"] = mark
+            fill(Tree(made))
+            return made
+
+        return shared
+
+    return decorate
 
 
 def add_input(
