@@ -12,9 +12,9 @@ namespace {
 /// A neighbour is strong when its weight is at least this part of the row's largest.
 constexpr double kStrong = 0.25;
 /// A fine vertex interpolates from its coarse neighbours alone when they carry this part of its strong weight.
-constexpr double kEnoughSupport = 0.3;
+constexpr double kEnoughSupport = 0.45;
 /// Most terms of one interpolated vector.
-constexpr std::size_t kMostTerms = 4;
+constexpr std::size_t kMostTerms = 6;
 
 struct Term {
   Index column;

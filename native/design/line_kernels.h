@@ -6,9 +6,9 @@
 
 namespace stormfield::kernels {
 
-using Vector = float __attribute__((vector_size(32)));
+using Vector = float __attribute__((vector_size(16)));
 /// The same anywhere in an array of floats. References only: vectors are never passed by value.
-using VectorInMemory = float __attribute__((vector_size(32), aligned(4), may_alias));
+using VectorInMemory = float __attribute__((vector_size(16), aligned(4), may_alias));
 
 inline const VectorInMemory& load(const float* p) { return *reinterpret_cast<const VectorInMemory*>(p); }
 inline void store(float* p, const Vector& v) { *reinterpret_cast<VectorInMemory*>(p) = v; }
@@ -28,15 +28,15 @@ inline void gatherBlock(const Coupling* first, const Coupling* last, const float
   for (const Coupling* c = first; c != last; ++c) {
     const float* row = x + static_cast<std::size_t>(c->column) * stride + k;
     for (int w = 0; w < Width; ++w) {
-      const Vector v = load(row + 8 * w);
+      const Vector v = load(row + 4 * w);
       real[w] += c->re * v;
       imaginary[w] += c->im * v;
     }
   }
-  const Vector sign = {-1.0f, 1.0f, -1.0f, 1.0f, -1.0f, 1.0f, -1.0f, 1.0f};
+  const Vector sign = {-1.0f, 1.0f, -1.0f, 1.0f};
   for (int w = 0; w < Width; ++w) {
-    const Vector turned = __builtin_shufflevector(imaginary[w], imaginary[w], 1, 0, 3, 2, 5, 4, 7, 6);
-    finish(k + 8 * w, real[w] + sign * turned);
+    const Vector turned = __builtin_shufflevector(imaginary[w], imaginary[w], 1, 0, 3, 2);
+    finish(k + 4 * w, real[w] + sign * turned);
   }
 }
 
@@ -45,8 +45,8 @@ template <typename Finish>
 inline void gatherRow(const Coupling* first, const Coupling* last, const float* x, std::size_t stride,
                       const Finish& finish) {
   std::size_t k = 0;
-  for (; k + 16 <= stride; k += 16) gatherBlock<2>(first, last, x, stride, k, finish);
-  for (; k < stride; k += 8) gatherBlock<1>(first, last, x, stride, k, finish);
+  for (; k + 16 <= stride; k += 16) gatherBlock<4>(first, last, x, stride, k, finish);
+  for (; k < stride; k += 8) gatherBlock<2>(first, last, x, stride, k, finish);
 }
 
 /// Solves T x = y in place, T tridiagonal with off-diagonals -coupling * grid coupling, by elimination from both ends

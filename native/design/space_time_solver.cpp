@@ -88,7 +88,7 @@ struct SpaceTimeSolver::System {
       const float beta = iteration == 0 ? 0.0f : static_cast<float>(rz / previous);
       const bool first = iteration == 0;
       sumOverChunks(progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; k += 8) {
+        for (std::size_t k = begin; k < end; k += 4) {
           const kernels::Vector next = kernels::load(z.data() + k);
           kernels::store(p.data() + k, first ? next : next + beta * kernels::load(p.data() + k));
         }
@@ -99,7 +99,7 @@ struct SpaceTimeSolver::System {
       const float alpha = static_cast<float>(rz / pq);
       const double square = sumOverChunks(progress, [&](std::size_t begin, std::size_t end) {
         if (first) {
-          for (std::size_t k = begin; k < end; k += 8) kernels::store(e + k, alpha * kernels::load(p.data() + k));
+          for (std::size_t k = begin; k < end; k += 4) kernels::store(e + k, alpha * kernels::load(p.data() + k));
         } else {
           kernels::addRow(alpha, p.data() + begin, e + begin, end - begin);
         }
