@@ -12,6 +12,7 @@ import traceback
 from pathlib import Path
 
 import bpy
+from mathutils import Vector
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = os.environ.get("STORMFIELD_SHOT", "solved")
@@ -29,6 +30,36 @@ def load_addon():
     import stormfield
 
     stormfield.register()
+    if not bpy.app.build_options.usd:
+        do_without_usd()
+
+
+def do_without_usd():
+    """Linux distributions build Blender without USD. The cache is then written by usd-core (out/usd-core), and this
+    script, instead of Blender's Mesh Sequence Cache, puts the attributes of the current λ onto the mesh."""
+    sys.path.append(str(ROOT / "out" / "usd-core"))
+    from stormfield.bake.cache import open_cache
+    from stormfield.convert import attach
+    from stormfield.ui import native_state
+
+    native_state._has_usd = lambda: True
+    caches = {}
+
+    def show(scene, *_):
+        for obj in scene.objects:
+            if obj.name in caches:
+                for name, values in caches[obj.name].at(obj.stormfield.lam).items():
+                    kind = "FLOAT_VECTOR" if values.ndim == 2 else "FLOAT"
+                    attribute = obj.data.attributes.get(name) or obj.data.attributes.new(name, kind, "POINT")
+                    attribute.data.foreach_set("vector" if values.ndim == 2 else "value", values.ravel())
+                obj.data.update_tag()
+
+    def remember(obj, folder):
+        caches[obj.name] = open_cache(folder)
+        show(bpy.context.scene)
+
+    attach.attach_lambda = remember
+    bpy.app.handlers.frame_change_post.append(show)
 
 
 def view_area():
@@ -58,9 +89,10 @@ def set_up_view(target=None):
     view = space.region_3d
     view.view_perspective = "PERSP"
     if target is not None:
-        view.view_location = target.location
-        view.view_rotation = (bpy.context.scene.camera.matrix_world).to_quaternion()
-        view.view_distance = 4.4
+        bpy.context.view_layer.update()
+        view.view_rotation = bpy.context.scene.camera.matrix_world.to_quaternion()
+        view.view_distance = 3.3
+        view.view_location = view.view_rotation @ Vector((0.3, 0.0, 0.0))
     area.tag_redraw()
 
 
@@ -75,6 +107,10 @@ def picture():
 
     planet = storm_merge.build(bpy.context, subdivisions=SUBDIVISIONS, frames=96)
     planet.select_set(True)
+    bpy.context.scene.camera.hide_set(True)
+    for obj in bpy.context.scene.objects:
+        if obj.type == "LIGHT":
+            obj.hide_set(True)
     planet.stormfield.look.style = "ARROWS" if PICTURE == "arrows" else "STROKES"
     set_up_view(planet)
     area = view_area()

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import bake, draw, elements, field, job_operator, running, shading, solve, storm_merge
+from . import bake, draw, elements, field, job_operator, presets, running, shading, solve, storm_merge
 
 CLASSES = (
     *field.CLASSES,
@@ -11,6 +11,7 @@ CLASSES = (
     *job_operator.CLASSES,
     *solve.CLASSES,
     *bake.CLASSES,
+    *presets.CLASSES,
     *shading.CLASSES,
     *storm_merge.CLASSES,
 )
@@ -19,9 +20,11 @@ CLASSES = (
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    presets.register_folder()
 
 
 def unregister() -> None:
     running.request_cancel()
+    presets.unregister_folder()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

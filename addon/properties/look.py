@@ -35,7 +35,7 @@ class LookProperties(bpy.types.PropertyGroup):
         default=2.2,
     )
     width: FloatProperty(
-        name="Width", description="Width of a stroke (pixels at 100 % interface scale)", min=0.5, max=10.0, default=1.6
+        name="Width", description="Width of a stroke (pixels at 100 % interface scale)", min=0.5, max=10.0, default=2.0
     )
     opacity: FloatProperty(
         name="Opacity",

@@ -9,6 +9,9 @@ from ..convert.mesh_arrays import loop_triangles
 from . import field_drawing
 from .field_drawing import Surface
 
+#: A storm whose in- or outflow is less than this part of its turning is shown as a center, as it was meant.
+CENTER_TOLERANCE = 0.05
+
 
 @dataclass
 class Drawing:
@@ -112,7 +115,8 @@ def _draw(entry: _Entry, values: np.ndarray, settings) -> Drawing:
         from .. import native
 
         core = native.load()
-        for point in core.fixed_points(core.VectorField.from_space(entry.mesh, values)):
+        flow = core.VectorField.from_space(entry.mesh, values)
+        for point in core.fixed_points(flow, relative_tolerance=CENTER_TOLERANCE):
             points.append((point.kind, np.asarray(point.position)))
     return Drawing(lines, colours, points, entry.note)
 

@@ -13,16 +13,17 @@ class STORMFIELD_UL_elements(bpy.types.UIList):
     def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property):
         row = layout.row(align=True)
         row.active = item.enabled
-        row.prop(item, "name", text="", emboss=False, icon=TYPE_ICONS[item.type])
-        times = row.row()
+        split = row.split(factor=0.62)
+        split.prop(item, "name", text="", emboss=False, icon=TYPE_ICONS[item.type])
+        times = split.row()
         times.alignment = "RIGHT"
         if item.source is None:
             times.alert = True
             times.label(text="no source", icon="ERROR")
         elif item.from_animation:
-            times.label(text="λ keys")
+            times.label(text="keys")
         else:
-            times.label(text=f"λ {item.lam_start:.2f} – {item.lam_end:.2f}")
+            times.label(text=f"{item.lam_start:.3g} – {item.lam_end:.3g}")
         row.prop(item, "enabled", text="", emboss=False, icon="HIDE_OFF" if item.enabled else "HIDE_ON")
 
 

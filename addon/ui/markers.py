@@ -24,8 +24,8 @@ def _circle(radius: float, corners: int = 24) -> np.ndarray:
 def shape(kind: str) -> list[tuple[np.ndarray, tuple[float, ...]]]:
     """Convex polygons (k, 2) with colours, painted in this order; a radius of 1 is the marker's own.
 
-    Shapes differ too, for eyes that do not tell red from green: a source has a bright core, a sink is full, a saddle is a
-    diamond, a center is a ring.
+    Shapes differ too, for eyes that do not tell red from green: a source has a bright core, a sink is full, a saddle is
+    a diamond, a center is a ring.
     """
     colour = (*KINDS.get(kind, KINDS["degenerate"])[1], 1.0)
     if kind == "saddle":

@@ -1,15 +1,25 @@
-"""Whether the compiled core is there, asked once: the panel says what is wrong and how to mend it."""
+"""Whether this Blender has what Stormfield needs, asked once: the panel says what is wrong and how to mend it."""
 
 from functools import cache
+
+import bpy
 
 
 @cache
 def native_problem() -> str:
     """Empty when all is well, otherwise the reason and the cure in one sentence."""
+    if not _has_usd():
+        return (
+            "This Blender was built without USD, which brings the field onto the mesh: use the Blender of blender.org"
+        )
     try:
         from .. import native
 
         native.check()
-    except Exception as fault:
+    except ImportError as fault:
         return str(fault)
     return ""
+
+
+def _has_usd() -> bool:
+    return bool(bpy.app.build_options.usd)

@@ -1,6 +1,7 @@
 """The Stormfield tab of the 3D view's sidebar, in the order of the work."""
 
 import bpy
+from bl_ui.utils import PresetPanel
 
 from ..convert import attach
 from ..operators import running
@@ -20,6 +21,16 @@ class _FieldPanel(_Panel):
     @classmethod
     def poll(cls, context):
         return active_field(context) is not None
+
+
+class STORMFIELD_PT_presets(PresetPanel, bpy.types.Panel):
+    """Solve and bake settings under a name"""
+
+    bl_idname = "STORMFIELD_PT_presets"
+    bl_label = "Stormfield Presets"
+    preset_subdir = "stormfield"
+    preset_operator = "script.execute_preset"
+    preset_add_operator = "stormfield.add_preset"
 
 
 class STORMFIELD_PT_field(_Panel, bpy.types.Panel):
@@ -105,6 +116,10 @@ def _draw_element(layout, element):
 class STORMFIELD_PT_solve(_FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_solve"
     bl_label = "Solve"
+
+    def draw_header_preset(self, context):
+        if context.object == active_field(context):
+            STORMFIELD_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
         layout = self.layout
@@ -231,6 +246,7 @@ def _text(context, layout, text: str, icon: str) -> None:
 
 
 CLASSES = (
+    STORMFIELD_PT_presets,
     STORMFIELD_PT_field,
     STORMFIELD_PT_elements,
     STORMFIELD_PT_solve,

@@ -1,5 +1,6 @@
 """Scenes become plain data: places in the mesh's space, λ from keys, messages that name object and cure."""
 
+import itertools
 import math
 
 import bpy
@@ -142,7 +143,7 @@ def test_lambda_that_waits_or_returns_is_told_once(ball, read):
     add(ball, empty, from_animation=True)
     _mesh, design = read(ball)
     lams = design.elements[0].lam
-    assert all(a < b for a, b in zip(lams, lams[1:], strict=False))
+    assert all(a < b for a, b in itertools.pairwise(lams))
 
 
 def test_an_arrow_points_along_the_empty(ball, read):

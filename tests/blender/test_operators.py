@@ -322,3 +322,16 @@ def test_the_storm_merge_scene_stands_ready(native):
     planet = bpy.context.object
     assert planet.stormfield.enabled and len(planet.stormfield.elements) >= 3
     assert bpy.context.scene.camera and bpy.ops.stormfield.solve.poll()
+
+
+def test_presets_of_the_addon_set_the_settings(ball):
+    from stormfield.operators.presets import SUBFOLDER, VALUES
+
+    folders = [folder for folder in bpy.utils.preset_paths(SUBFOLDER) if "stormfield" in folder]
+    names = sorted(path.stem for folder in folders for path in Path(folder).glob("*.py"))
+    assert {"Calm", "Draft", "Final", "Nervous"} <= set(names)
+    path = next(Path(folder) / "Calm.py" for folder in folders if (Path(folder) / "Calm.py").exists())
+    bpy.ops.script.execute_preset(filepath=str(path), menu_idname="STORMFIELD_PT_presets")
+    assert ball.stormfield.solve.lambda_weight == 40.0 and ball.stormfield.bake.period == 96
+    for value in VALUES:
+        ball.path_resolve(f"stormfield.{value}")

@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# Photograph Blender's window with the add-on in it. Run under a screen of 1600x1000 (xvfb-run), with xdotool and import:
+#   scripts/window_shot.sh PICTURE PNG [SECONDS]       PICTURE as in window_shot.py
+set -euo pipefail
+STORMFIELD_SHOT=$1 blender --factory-startup --gpu-backend opengl -P "$(dirname "$0")/window_shot.py" &
+pid=$!
+sleep "${3:-40}"
+xdotool mousemove "${STORMFIELD_TAB_X:-1299}" "${STORMFIELD_TAB_Y:-169}" click 1   # the Stormfield tab of the sidebar
+sleep 4
+xdotool mousemove 600 560
+sleep 3
+import -window root "$2"
+kill "$pid"
+wait "$pid" 2>/dev/null || true
