@@ -16,6 +16,7 @@ from pathlib import Path
 from types import ModuleType
 
 import bpy
+import flicker
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
@@ -85,6 +86,18 @@ def solve_and_bake(options: Options, obj: bpy.types.Object, name: str) -> Path:
     bpy.ops.wm.save_mainfile()
     print(f"scene: {blend}", flush=True)
     return blend
+
+
+def print_flicker(obj: bpy.types.Object, keys: int = 6) -> None:
+    """The solved field's flicker and that of linear interpolation between key frames taken from it."""
+    attach, native = part("convert.attach"), part("native")
+    cache = part("bake.cache").open_cache(attach.attached_folder(obj, attach.LAMBDA))
+    solved = cache.values("sf_advection")
+    weights = flicker.vertex_areas(cache.mesh.vertices, cache.mesh.triangles)
+    mesh = native.TriangleMesh(cache.mesh.vertices, cache.mesh.triangles)
+    for name, fields in (("solved", solved), (f"linear between {keys} keys", flicker.interpolated(solved, keys))):
+        percent, changes = flicker.flicker(fields, weights), flicker.topology_changes(mesh, fields, native)
+        print(f"flicker, {name}: {percent:.3f} % per step, {changes} fixed points appear or vanish", flush=True)
 
 
 def render(options: Options, name: str, still: int) -> list[Path]:
