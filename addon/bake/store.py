@@ -23,7 +23,7 @@ from pathlib import Path
 from ..model.errors import InputError
 from .manifest import MANIFEST, NAME, PLAN, SHARED, Plan, read_manifest, read_plan, text
 
-WriteFile = Callable[[Path], None]
+WriteFile = Callable[[Path], object]
 
 TEMPORARY = ".tmp-"
 CHECKSUM = ".sha256"
@@ -88,7 +88,10 @@ class CacheStore:
             files = {name: files[name] for name in self.names}
             for name, write_file in shared.items():
                 files[name] = self._atomic(name, write_file)
+            for parent in {(self.folder / name).parent for name in files}:
+                _sync(parent)
             self._atomic(MANIFEST, lambda path: path.write_text(text(self.plan, files), encoding="utf-8"))
+            _sync(self.folder)
             self._clean()
         return True
 
@@ -107,18 +110,22 @@ class CacheStore:
                 "or choose another folder"
             )
 
-    def _atomic(self, name: str, write_file: WriteFile, *, checksum: bool = False) -> str:
-        """Writes one file under its final name, whole or not at all; returns its SHA-256."""
+    def _atomic(self, name: str, write_file: WriteFile, *, checksum: bool = False, durable: bool = True) -> str:
+        """Writes one file under its final name, whole or not at all; returns its SHA-256.
+
+        durable: content survives a power cut where the name does. Names are made to survive by finish(): until then a
+        lost one is a missing sample.
+        """
         final = self.folder / name
         temporary = final.with_name(f"{TEMPORARY}{socket.gethostname()}-{os.getpid()}-{final.name}")
         try:
             write_file(temporary)
             digest = sha256(temporary)
-            _sync(temporary)
+            if durable:
+                _sync(temporary)
             if checksum:
-                self._atomic(name + CHECKSUM, lambda path: path.write_text(f"{digest}  {final.name}\n"))
+                self._write_checksum(name, digest)
             temporary.replace(final)
-            _sync(final.parent)
         except BaseException:
             # Libraries that write through a temporary file of their own begin its name with ours.
             for leftover in final.parent.glob(temporary.stem + "*"):
@@ -126,14 +133,16 @@ class CacheStore:
             raise
         return digest
 
+    def _write_checksum(self, name: str, digest: str) -> None:
+        self._atomic(name + CHECKSUM, lambda path: path.write_text(f"{digest}  {Path(name).name}\n"), durable=False)
+
     def _reopen(self) -> None:
         """Turns a finished cache of this plan back into a bake in progress, so that no manifest covers a new sample."""
         if not (self.folder / MANIFEST).exists():
             return
         for name, digest in self._checksums().items():
             if name in self.names:
-                line = f"{digest}  {Path(name).name}\n"
-                self._atomic(name + CHECKSUM, lambda path, line=line: path.write_text(line))
+                self._write_checksum(name, digest)
         self._atomic(PLAN, lambda path: path.write_text(text(self.plan), encoding="utf-8"))
         (self.folder / MANIFEST).unlink()
         _sync(self.folder)

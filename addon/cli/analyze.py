@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from . import cli
+from .blender import load_core
 from .output import Phases, check_lam, describe_mesh, field_argument, write_json
 
 
@@ -22,7 +23,7 @@ def analyze(
 
     check_lam(lam)
     phases = Phases()
-    native.check()
+    load_core()
     with phases("read"):
         data = read_field(field, vector=vector, sphere_faces=sphere_faces, attribute=attribute)
         lam = float(data.lambdas[0]) if lam is None else lam

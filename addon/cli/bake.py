@@ -9,6 +9,7 @@ import click
 
 from ..model.errors import InputError
 from . import cli
+from .blender import quiet
 from .progress import progress
 
 
@@ -33,7 +34,8 @@ def bake(scene: str, targets: str, frames: str | None, resume: bool, save: bool)
     for obj in objects:
         _bake(bpy, obj, wanted, only, resume)
     if save:
-        bpy.ops.wm.save_mainfile()
+        with quiet():
+            bpy.ops.wm.save_mainfile()
 
 
 def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | None, resume: bool) -> None:
@@ -83,7 +85,8 @@ def _frames(text: str | None) -> frozenset[int] | None:
 
 def _blender() -> Any:
     try:
-        import bpy
+        with quiet():
+            import bpy
     except ImportError as error:
         raise InputError(
             f".blend files need Blender ({error}); pip install bpy, or run blender --background"
@@ -97,7 +100,8 @@ def _open(bpy: Any, path: Path) -> None:
     if not hasattr(bpy.types.Object, "stormfield"):
         register()
     try:
-        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()))
+        with quiet():
+            bpy.ops.wm.open_mainfile(filepath=str(path.resolve()))
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
         raise InputError(f"{path}: Blender cannot open it ({reason})") from error

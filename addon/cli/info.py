@@ -3,6 +3,7 @@
 import click
 
 from . import cli
+from .blender import load_core
 from .output import Phases, describe_mesh, field_argument, write_json
 
 
@@ -15,7 +16,7 @@ def info(field: str, vector: str | None, sphere_faces: int | None, out: str) -> 
     from ..readers import read_field
 
     phases = Phases()
-    native.check()
+    load_core()
     with phases("read"):
         data = read_field(field, vector=vector, sphere_faces=sphere_faces)
     with phases("mesh"):

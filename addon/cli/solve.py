@@ -8,6 +8,7 @@ import click
 
 from ..model.errors import InputError
 from . import cli
+from .blender import load_core
 from .output import Phases, describe_mesh, write_json
 from .progress import progress
 
@@ -25,7 +26,7 @@ def solve(design: str, out: str, resume: bool, report: str | None) -> None:
     phases = Phases()
     with phases("read"):
         mesh, elements = read_design(Path(design))
-    native.check()
+    load_core()
     with phases("solve"), progress("Solving") as show:
         folder = job.run(job.solve_steps(mesh, elements, Path(out), folder=Path(out), resume=resume), show)
     if report:

@@ -52,15 +52,12 @@ def _fans(polygons) -> np.ndarray:
 
 def _vectors(path: Path, data: dict[str, np.ndarray], vector: str | None) -> np.ndarray:
     listed = ", ".join(sorted(data)) or "none"
-    if vector is not None:
-        names = tuple(name.strip() for name in vector.split(","))
-        missing = [name for name in names if name not in data]
-        if missing:
-            raise InputError(f"{path}: has no point data '{missing[0]}'; choose from: {listed}")
-    else:
-        names = _likely(data)
-        if names is None:
-            raise InputError(f"{path}: which point data is the field? choose with --vector from: {listed}")
+    names = _likely(data) if vector is None else tuple(name.strip() for name in vector.split(","))
+    if names is None:
+        raise InputError(f"{path}: which point data is the field? choose with --vector from: {listed}")
+    missing = [name for name in names if name not in data]
+    if missing:
+        raise InputError(f"{path}: has no point data '{missing[0]}'; choose from: {listed}")
     columns = [np.asarray(data[name], np.float64).reshape(len(data[name]), -1) for name in names]
     vectors = np.concatenate(columns, axis=1)
     if vectors.shape[1] == 2:

@@ -23,8 +23,9 @@ NORTH = ("v", "v10", "V10", "10v", "vgrd10m", "VGRD_10maboveground", "vwnd", "V"
 
 
 def read_wind(path: Path, faces: int) -> FieldData:
-    grid = _npz(path) if path.suffix.lower() == ".npz" else _netcdf(path)
-    return wind_on_sphere(*grid, faces, where=str(path))
+    read = _npz if path.suffix.lower() == ".npz" else _netcdf
+    latitude, longitude, east, north = read(path)
+    return wind_on_sphere(latitude, longitude, east, north, faces, where=str(path))
 
 
 def wind_on_sphere(latitude, longitude, east, north, faces: int, where: str = "the grid") -> FieldData:
@@ -96,8 +97,9 @@ def _ordered(latitude, longitude, east, north, where: str):
     """South to north, and once around from the smallest longitude in 0..360, with the whole globe covered."""
     if len(latitude) < 2 or len(longitude) < 3 or not (np.isfinite(latitude).all() and np.isfinite(longitude).all()):
         raise InputError(f"{where}: needs at least 2 latitudes and 3 longitudes, all finite")
-    if np.abs(latitude).max() > 90.0 + 1e-6:
-        raise InputError(f"{where}: latitude {latitude[np.abs(latitude).argmax()]:g} is outside -90..90; give degrees")
+    outside = latitude[np.abs(latitude) > 90.0 + 1e-6]
+    if outside.size:
+        raise InputError(f"{where}: latitude {outside[0]:g} is outside -90..90; give degrees")
     rows = np.argsort(latitude)
     # Rounding keeps 359.9999999 and -1e-7 the same meridian.
     turned = np.round(np.mod(longitude, 360.0), 6) % 360.0
@@ -105,14 +107,14 @@ def _ordered(latitude, longitude, east, north, where: str):
     latitude, longitude = np.clip(latitude[rows], -90.0, 90.0), turned[columns]
     steps = np.diff(np.append(longitude, longitude[0] + 360.0))
     if steps.max() > 1.5 * np.median(steps) + 1e-6:
-        gap = int(steps.argmax())
+        gap = int(np.argmax(steps))
         raise InputError(
             f"{where}: no wind between longitudes {longitude[gap]:g} and {(longitude[gap] + steps[gap]) % 360:g}; "
             "the whole globe is needed"
         )
     spacing = np.diff(latitude)
     if spacing.min() <= 0.0:
-        raise InputError(f"{where}: latitude {latitude[int(spacing.argmin())]:g} is given twice")
+        raise InputError(f"{where}: latitude {latitude[int(np.argmin(spacing))]:g} is given twice")
     if 90.0 - np.abs(latitude[[0, -1]]).min() > 1.5 * np.median(spacing) or latitude[0] > 0 or latitude[-1] < 0:
         raise InputError(
             f"{where}: latitudes {latitude[0]:g} to {latitude[-1]:g} leave a pole uncovered; the whole globe is needed"
