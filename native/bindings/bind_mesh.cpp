@@ -87,6 +87,11 @@ const ClosestPointQuery& MeshHandle::closestPoints() const {
   return *query_;
 }
 
+const std::shared_ptr<const FlatFaces>& MeshHandle::flatFaces() const {
+  std::call_once(unfolded_, [this] { flatFaces_ = std::make_shared<const FlatFaces>(charts_); });
+  return flatFaces_;
+}
+
 std::vector<SurfacePoint> inputSurfacePoints(const TriangleMesh& mesh, const py::object& faces,
                                              const py::object& barycentric) {
   const auto f = inputArray<Index>(faces, "faces", {kAny});

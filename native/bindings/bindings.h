@@ -11,19 +11,22 @@
 #include "bindings/arrays.h"
 #include "field/parameterized_field.h"
 #include "mesh/closest_point.h"
+#include "tracing/flat_faces.h"
 
 namespace stormfield::bindings {
 
 void bind_base(py::module_& m);
 void bind_mesh(py::module_& m);
 void bind_field(py::module_& m);
+void bind_tracing(py::module_& m);
 void bind_topology(py::module_& m);
 void bind_design(py::module_& m);
 void bind_solver(py::module_& m);
 void bind_texture(py::module_& m);
 void bind_io(py::module_& m);
 
-/// Python's TriangleMesh: the mesh, its charts and, from the first query on, its tree for closest points.
+/// Python's TriangleMesh: the mesh, its charts and, from their first use on, its tree for closest
+/// points and its faces laid out for tracing.
 class MeshHandle {
  public:
   explicit MeshHandle(std::shared_ptr<const TriangleMesh> mesh);
@@ -31,11 +34,13 @@ class MeshHandle {
   const TriangleMesh& mesh() const { return charts_->mesh(); }
   const std::shared_ptr<const VertexCharts>& charts() const { return charts_; }
   const ClosestPointQuery& closestPoints() const;
+  const std::shared_ptr<const FlatFaces>& flatFaces() const;
 
  private:
   std::shared_ptr<const VertexCharts> charts_;
-  mutable std::once_flag built_;
+  mutable std::once_flag built_, unfolded_;
   mutable std::optional<ClosestPointQuery> query_;
+  mutable std::shared_ptr<const FlatFaces> flatFaces_;
 };
 
 /// Python's VectorField and ParameterizedField: with the mesh object they were made on.

@@ -8,8 +8,10 @@ PYBIND11_MODULE(stormfield_native, m) {
   bind_base(m);
   bind_mesh(m);
   bind_field(m);
+  bind_tracing(m);
   bind_topology(m);
   bind_solver(m);
   bind_design(m);
+  bind_texture(m);
   bind_io(m);
 }

@@ -1,0 +1,166 @@
+#include <pybind11/stl.h>
+
+#include "bindings/bindings.h"
+#include "bindings/job.h"
+#include "texture/advected_coordinates.h"
+#include "texture/stagger.h"
+#include "texture/stream_function.h"
+
+namespace stormfield::bindings {
+namespace {
+
+using Coordinates = std::shared_ptr<const AdvectedCoordinates>;
+using ProgressPointer = std::shared_ptr<Progress>;
+using FramesJob = Job<std::vector<AdvectedFrame>>;
+
+/// Python's AdvectedCoordinates; it shares what it needs with the jobs it starts.
+struct CoordinatesHandle {
+  Coordinates coordinates;
+};
+
+struct StreamFunctions {
+  py::ssize_t samples, vertices;
+  std::vector<double> values;
+};
+using StreamFunctionsJob = Job<StreamFunctions>;
+
+CoordinatesHandle makeCoordinates(const ParameterizedFieldHandle& field, const py::object& frames,
+                                  const py::object& lambdas, double framesPerSecond, double period, double speed,
+                                  double deadZone, double renewal, double tolerance, std::uint64_t seed,
+                                  double staggerCycles, double staggerFrequency, const py::object& offsets) {
+  const auto f = inputArray<double>(frames, "frames", {kAny});
+  const auto l = inputArray<double>(lambdas, "lambdas", {f.shape(0)});
+  const TriangleMesh& mesh = field.mesh->mesh();
+  std::vector<double> o;
+  if (!offsets.is_none()) o = toVector(inputArray<double>(offsets, "offsets", {mesh.vertexCount()}));
+  const AdvectionOptions options{framesPerSecond, period, speed, deadZone, renewal, tolerance, seed};
+  const std::vector<double> frameNumbers = toVector(f), lambdaValues = toVector(l);
+  const bool noise = offsets.is_none();
+  const py::gil_scoped_release release;
+  if (noise) o = stagger(mesh, {staggerCycles, staggerFrequency, seed}, deadZone);
+  return {std::make_shared<const AdvectedCoordinates>(field.mesh->flatFaces(),
+                                                      std::make_shared<const ParameterizedField>(field.field),
+                                                      frameNumbers, lambdaValues, options, std::move(o))};
+}
+
+py::tuple toPython(const AdvectedFrame& frame) {
+  const auto n = static_cast<py::ssize_t>(frame.blend.size());
+  const auto coordinates = [&](const std::vector<float>& values) {
+    return py::array_t<float>({n, py::ssize_t{3}}, values.data());
+  };
+  return py::make_tuple(coordinates(frame.phaseA), coordinates(frame.phaseB), copied(frame.blend));
+}
+
+py::tuple oneFrame(const CoordinatesHandle& self, double frame, const ProgressPointer& progress) {
+  AdvectedFrame result;
+  {
+    const py::gil_scoped_release release;
+    result = self.coordinates->frame(frame, progress.get());
+  }
+  return toPython(result);
+}
+
+std::shared_ptr<FramesJob> startFrames(const CoordinatesHandle& self, const std::vector<double>& frames) {
+  return std::make_shared<FramesJob>([coordinates = self.coordinates, frames](Progress& progress) {
+    std::vector<AdvectedFrame> result;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      progress.check();
+      // One frame reports for itself; of several, each is a step.
+      result.push_back(coordinates->frame(frames[i], frames.size() == 1 ? &progress : nullptr));
+      progress.report(static_cast<double>(i + 1) / static_cast<double>(frames.size()));
+    }
+    return result;
+  });
+}
+
+py::dict carriedError(const CoordinatesHandle& self, double frame, Index samples) {
+  CarriedError error;
+  {
+    const py::gil_scoped_release release;
+    error = self.coordinates->error(frame, samples);
+  }
+  py::dict result;
+  result["mean"] = error.mean;
+  result["largest"] = error.largest;
+  result["mean_between"] = error.meanBetween;
+  return result;
+}
+
+StreamFunctions solveStreamFunctions(const ParameterizedField& field, Progress* progress) {
+  return {field.sampleCount(), field.vertexCount(), streamFunctions(field, progress)};
+}
+
+py::array_t<double> toArray(const StreamFunctions& psi) {
+  return py::array_t<double>({psi.samples, psi.vertices}, psi.values.data());
+}
+
+void bindCoordinates(py::module_& m) {
+  const AdvectionOptions defaults;
+  const StaggerOptions noise;
+  bindJob<FramesJob>(m, "AdvectionJob", "Runs AdvectedCoordinates.start; its result is a list of (phase_a, phase_b, blend).",
+                     [](const std::vector<AdvectedFrame>& frames) {
+                       py::list result;
+                       for (const AdvectedFrame& frame : frames) result.append(toPython(frame));
+                       return result;
+                     });
+  py::class_<CoordinatesHandle>(
+      m, "AdvectedCoordinates", py::module_local(),
+      "Texture coordinates that flow with an advection field: two phases per vertex, each the place where the material\n"
+      "of the vertex was when its cycle began, plus a random vector per cycle. Every frame is computed from scratch, so\n"
+      "any part of an animation gives the same bytes. Shaders blend the texture T (mean m) of both phases as\n"
+      "m + (w_a (T(a) - m) + w_b (T(b) - m)) / sqrt(w_a^2 + w_b^2) with w_b = blend, w_a = 1 - blend.")
+      .def(py::init(&makeCoordinates), py::arg("field"), py::arg("frames"), py::arg("lambdas"), py::kw_only(),
+           py::arg("frames_per_second") = defaults.framesPerSecond, py::arg("period") = defaults.period,
+           py::arg("speed") = defaults.speed, py::arg("dead_zone") = defaults.deadZone,
+           py::arg("renewal") = defaults.renewal, py::arg("tolerance") = defaults.tolerance,
+           py::arg("seed") = defaults.seed, py::arg("stagger_cycles") = noise.cycles,
+           py::arg("stagger_frequency") = noise.frequency, py::arg("offsets") = py::none(),
+           "field: ParameterizedField, mesh units per second. frames (s,) float64: increasing frame numbers (sub-frames\n"
+           "allowed), lambdas (s,) float64 there; linear between, constant outside. period: frames until a phase starts\n"
+           "anew. speed: factor on the field. dead_zone: part of a period before and after a start that is invisible.\n"
+           "renewal: range of the random vectors in sizes of the object, 0 for plain positions. tolerance: of the tracer,\n"
+           "mean edge lengths per step. stagger_cycles, stagger_frequency: how far phases differ over the object, and in\n"
+           "how many lumps per size; or give offsets (n,) float64 in periods. Raises InputError, naming the edge where\n"
+           "offsets are too steep for the dead zone.")
+      .def("frame", &oneFrame, py::arg("frame"), py::arg("progress") = ProgressPointer(),
+           "(phase_a (n, 3) float32, phase_b (n, 3) float32, blend (n,) float32) of one frame. Raises Cancelled.")
+      .def("start", &startFrames, py::arg("frames"), "The frames of a list on other threads: an AdvectionJob to watch.")
+      .def("error", &carriedError, py::arg("frame"), py::arg("samples") = 1000,
+           "Distance to much finer traces in mean edge lengths: mean and largest at vertices, and mean_between, the mean\n"
+           "at face centers, where coordinates are interpolated.")
+      .def_property_readonly(
+          "offsets", [](const CoordinatesHandle& self) { return copied(self.coordinates->offsets()); },
+          "(n,) float64, phase offset of each vertex in periods.");
+}
+
+}  // namespace
+
+void bind_texture(py::module_& m) {
+  bindCoordinates(m);
+  bindJob<StreamFunctionsJob>(m, "StreamFunctionsJob", "Runs start_stream_functions; its result is (s, n) float64.",
+                              [](const StreamFunctions& psi) { return toArray(psi); });
+  m.def(
+      "stream_functions",
+      [](const ParameterizedFieldHandle& field, const ProgressPointer& progress) {
+        StreamFunctions psi;
+        {
+          const py::gil_scoped_release release;
+          psi = solveStreamFunctions(field.field, progress.get());
+        }
+        return toArray(psi);
+      },
+      py::arg("field"), py::arg("progress") = ProgressPointer(),
+      "Stream function of every sample of a ParameterizedField, (s, n) float64, squared mesh units per second: the flow's\n"
+      "rotational part follows its level curves and has larger values on its left. Mean zero on each component, and\n"
+      "continuous in lambda.");
+  m.def(
+      "start_stream_functions",
+      [](const ParameterizedFieldHandle& field) {
+        auto copy = std::make_shared<const ParameterizedField>(field.field);
+        return std::make_shared<StreamFunctionsJob>(
+            [copy](Progress& progress) { return solveStreamFunctions(*copy, &progress); });
+      },
+      py::arg("field"), "stream_functions on other threads: a StreamFunctionsJob to watch.");
+}
+
+}  // namespace stormfield::bindings

@@ -1,0 +1,37 @@
+// The stream function of a field: the potential psi whose level curves the flow follows.
+//
+// psi minimizes the integral of |V - grad psi x n|^2 over the surface (n outwards): the co-exact part of V in the
+// Hodge decomposition, V = grad phi + grad psi x n + harmonic, with natural boundary conditions. psi grows
+// to the left of the flow: on a sphere, eastward rotation about z has psi proportional to +z. psi has mean zero on every
+// component and is linear in V, so it changes continuously with lambda; units are squared mesh units per second.
+//
+//   const StreamFunctionSolver solver(charts);                 // factorizes the cotangent Laplacian once per mesh
+//   const std::vector<double> psi = solver.solve(field.values.data());
+#pragma once
+
+#include <memory>
+
+#include "base/progress.h"
+#include "field/parameterized_field.h"
+
+namespace stormfield {
+
+class StreamFunctionSolver {
+ public:
+  /// Throws SolverError where the Laplacian cannot be factorized (faces without area in double precision).
+  explicit StreamFunctionSolver(std::shared_ptr<const VertexCharts> charts);
+  ~StreamFunctionSolver();
+  StreamFunctionSolver(StreamFunctionSolver&&) noexcept;
+
+  /// One value per vertex, from one tangent vector per vertex; 0 at vertices that no face uses.
+  std::vector<double> solve(const Complex* values) const;
+
+ private:
+  struct Factor;
+  std::unique_ptr<const Factor> factor_;
+};
+
+/// psi of every sample, samples x vertices, in parallel.
+std::vector<double> streamFunctions(const ParameterizedField& field, Progress* progress = nullptr);
+
+}  // namespace stormfield
