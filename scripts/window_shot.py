@@ -40,9 +40,9 @@ def do_without_usd():
     sys.path.append(str(ROOT / "out" / "usd-core"))
     from stormfield.bake.cache import open_cache
     from stormfield.convert import attach
-    from stormfield.ui import native_state
+    from stormfield.operators import requirements
 
-    native_state._has_usd = lambda: True
+    requirements._has_usd = lambda: True
     caches = {}
 
     def show(scene, *_):

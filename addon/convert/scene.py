@@ -12,7 +12,7 @@ import numpy as np
 from mathutils import Matrix
 
 from .. import compat
-from ..model.design import Design, Element, SolveSettings
+from ..model.design import Design, Element, SolveSettings, Vector
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from .curves import read_polylines
@@ -41,7 +41,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
         if element.source == obj:
             raise InputError(f"Element '{element.name}' has the field's own mesh as source; choose another object")
     moving = _moving_places(context, obj, [element for element in wanted if element.from_animation])
-    elements = []
+    elements: list[Element] = []
     for element in wanted:
         places = next(moving) if element.from_animation else [_place(context, obj, element, element.lam_start)]
         elements.extend(_elements(element, places))
@@ -57,7 +57,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
     )
 
 
-def lambda_frames(obj: bpy.types.Object) -> range:
+def lambda_frames(obj: bpy.types.Object) -> list[int]:
     """The frames between the first and the last key of λ, thinned to at most MAX_POINTS."""
     curve = compat.find_fcurve(obj, "stormfield.lam")
     if curve is None or len(curve.keyframe_points) < 2:
@@ -65,7 +65,8 @@ def lambda_frames(obj: bpy.types.Object) -> range:
             f"λ of '{obj.name}' has no keyframes; key it twice (Key λ in the Field panel) so that frames "
             "and λ belong together"
         )
-    first, last = (round(value) for value in curve.range())
+    ends = curve.range()
+    first, last = round(ends[0]), round(ends[1])
     step = max(1, -(-(last - first) // MAX_POINTS))
     frames = list(range(first, last + 1, step))
     return frames if frames[-1] == last else [*frames, last]
@@ -83,9 +84,9 @@ def lambda_per_second(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     curve = compat.find_fcurve(obj, "stormfield.lam")
     if curve is None or len(curve.keyframe_points) < 2:
         return 1.0
-    first, last = curve.range()
-    rate = abs(curve.evaluate(last) - curve.evaluate(first)) * scene.render.fps / scene.render.fps_base
-    return rate / (last - first) if rate > 0 and last > first else 1.0
+    ends = curve.range()
+    rate = abs(curve.evaluate(ends[1]) - curve.evaluate(ends[0])) * scene.render.fps / scene.render.fps_base
+    return rate / (ends[1] - ends[0]) if rate > 0 and ends[1] > ends[0] else 1.0
 
 
 def _moving_places(context, obj, elements) -> Iterator[list[_Place]]:
@@ -173,15 +174,18 @@ def _elements(element, places: list[_Place]) -> Iterator[Element]:
                 yield replace(named, points=_rows(line), lam=whole)
 
 
-def _rows(points: np.ndarray) -> tuple[tuple[float, ...], ...]:
-    return tuple(map(tuple, points.tolist()))
+def _rows(points: np.ndarray) -> tuple[Vector, ...]:
+    return tuple((x, y, z) for x, y, z in points.tolist())
 
 
-def _unit(line: np.ndarray) -> tuple[float, ...] | None:
+def _unit(line: np.ndarray) -> Vector | None:
     """From the first point to the last."""
     way = line[-1] - line[0]
     length = float(np.linalg.norm(way))
-    return tuple((way / length).tolist()) if length > 0 else None
+    if length == 0:
+        return None
+    x, y, z = (way / length).tolist()
+    return (x, y, z)
 
 
 def _lam_along(line: np.ndarray, start: float, end: float) -> tuple[float, ...]:

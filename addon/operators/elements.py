@@ -44,11 +44,12 @@ def default_radius(obj: bpy.types.Object) -> float:
 
 def is_animated(obj: bpy.types.Object) -> bool:
     """Whether the object, or something it hangs on, moves by keys, drivers or constraints."""
-    while obj is not None:
-        animation = obj.animation_data
-        if (animation and (animation.action or animation.drivers)) or obj.constraints:
+    holder: bpy.types.Object | None = obj
+    while holder is not None:
+        animation = holder.animation_data
+        if (animation and (animation.action or animation.drivers)) or holder.constraints:
             return True
-        obj = obj.parent
+        holder = holder.parent
     return False
 
 

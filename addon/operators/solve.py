@@ -6,7 +6,7 @@ from ..bake.job import solve_steps
 from ..convert import attach, folders
 from ..convert.mesh_arrays import read_polygons
 from ..convert.scene import read_design
-from ..ui.native_state import native_problem
+from . import requirements
 from .job_operator import JobOperator
 from .shared import active_field
 
@@ -23,7 +23,7 @@ class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
     def poll(cls, context):
         if not super().poll(context):
             return False
-        problem = native_problem()
+        problem = requirements.problem()
         if problem:
             cls.poll_message_set(problem)
             return False

@@ -13,6 +13,9 @@ from .field_drawing import Surface
 CENTER_TOLERANCE = 0.05
 
 
+EMPTY = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int32))
+
+
 @dataclass
 class Drawing:
     """Lines and fixed points of one object at one λ, in its own space."""
@@ -26,8 +29,7 @@ class Drawing:
 
 @dataclass
 class _Entry:
-    generation: int = -1
-    surface: Surface | None = None
+    surface: Surface = EMPTY
     mesh: object = None  #: native TriangleMesh, or None where the evaluated mesh is no surface
     note: str = ""
     seeds: dict = field(default_factory=dict)
@@ -85,7 +87,7 @@ def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:
     triangles, _loops = loop_triangles(mesh)
     surface = Surface(vertices.reshape(-1, 3).astype(np.float64), triangles)
     old = entry.surface
-    if old is not None and np.array_equal(old.vertices, surface.vertices) and np.array_equal(old.triangles, triangles):
+    if np.array_equal(old.vertices, surface.vertices) and np.array_equal(old.triangles, triangles):
         return
     entry.surface, entry.seeds, entry.mesh, entry.note = surface, {}, None, ""
     try:

@@ -10,7 +10,7 @@ TYPE_ICONS = {key: icon for key, _label, _text, icon, _number in TYPES}
 class STORMFIELD_UL_elements(bpy.types.UIList):
     bl_idname = "STORMFIELD_UL_elements"
 
-    def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property):
+    def draw_item(self, _context, layout, _data, item, _icon, _active, _property, _index=0, _flag=0):
         row = layout.row(align=True)
         row.active = item.enabled
         split = row.split(factor=0.62)

@@ -12,8 +12,9 @@ KINDS = {
     "center": ("Center", (1.00, 0.78, 0.10)),
     "degenerate": ("Degenerate", (0.75, 0.35, 0.95)),
 }
-RIM = (0.02, 0.02, 0.03, 1.0)
-LIGHT = (1.0, 1.0, 1.0, 1.0)
+Colour = tuple[float, float, float, float]
+RIM: Colour = (0.02, 0.02, 0.03, 1.0)
+LIGHT: Colour = (1.0, 1.0, 1.0, 1.0)
 
 
 def _circle(radius: float, corners: int = 24) -> np.ndarray:
@@ -21,13 +22,14 @@ def _circle(radius: float, corners: int = 24) -> np.ndarray:
     return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def shape(kind: str) -> list[tuple[np.ndarray, tuple[float, ...]]]:
+def shape(kind: str) -> list[tuple[np.ndarray, Colour]]:
     """Convex polygons (k, 2) with colours, painted in this order; a radius of 1 is the marker's own.
 
     Shapes differ too, for eyes that do not tell red from green: a source has a bright core, a sink is full, a saddle is
     a diamond, a center is a ring.
     """
-    colour = (*KINDS.get(kind, KINDS["degenerate"])[1], 1.0)
+    red, green, blue = KINDS.get(kind, KINDS["degenerate"])[1]
+    colour = (red, green, blue, 1.0)
     if kind == "saddle":
         return [(_circle(1.30, 4), RIM), (_circle(1.10, 4), colour)]
     layers = [(_circle(1.0), RIM), (_circle(0.82), colour)]

@@ -4,9 +4,8 @@ import bpy
 from bl_ui.utils import PresetPanel
 
 from ..convert import attach
-from ..operators import running
+from ..operators import requirements, running
 from ..operators.shared import active_field
-from .native_state import native_problem
 
 
 class _Panel:
@@ -41,7 +40,7 @@ class STORMFIELD_PT_field(_Panel, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        problem = native_problem()
+        problem = requirements.problem()
         if problem:
             box = layout.box()
             box.alert = True

@@ -299,11 +299,9 @@ def test_bake_is_grey_until_solved_and_says_why(storms, native):
 
 
 def test_without_the_core_solve_says_why(storms, monkeypatch):
-    from stormfield.operators import solve
-    from stormfield.ui import native_state
+    from stormfield.operators import requirements
 
-    monkeypatch.setattr(solve, "native_problem", lambda: "The compiled core is missing: install the wheel")
-    assert native_state.native_problem is not solve.native_problem
+    monkeypatch.setattr(requirements, "problem", lambda: "The compiled core is missing: install the wheel")
     with pytest.raises(RuntimeError, match="install the wheel"):
         bpy.ops.stormfield.solve()
 

@@ -6,7 +6,7 @@ import bpy
 
 
 @cache
-def native_problem() -> str:
+def problem() -> str:
     """Empty when all is well, otherwise the reason and the cure in one sentence."""
     if not _has_usd():
         return (
