@@ -16,11 +16,11 @@ import time
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
-from .. import __version__, solve
+from .. import __version__, native, solve
 from ..model.design import Design
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
@@ -33,8 +33,8 @@ from .usd import Polygons
 from .vdb import BandWriter, VdbSettings
 
 TARGETS = ("usd", "exr", "vdb")
-#: Part of a solve that is solving; the rest is writing.
-SOLVE_PART = 0.85
+#: Where a solve is solved, and where writing begins, in parts of the whole.
+SOLVED, WRITING = 0.75, 0.85
 #: Seconds between two looks at a running solve, when nobody else paces it.
 POLL = 0.02
 
@@ -121,8 +121,8 @@ def solve_steps(
     resume: samples that are there already, from the same design and mesh, are kept.
     """
     design.check()
-    settings = {"design": design.to_json(), "stormfield": __version__}
-    lambdas = np.linspace(0.0, 1.0, design.settings.samples)
+    settings = {"design": design.to_json(), "attributes": list(fields.ATTRIBUTES), "stormfield": __version__}
+    lambdas = np.linspace(0.0, 1.0, design.settings.samples).tolist()
     target = folder or Path(root) / _key(
         "lambda", Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)
     )
@@ -130,29 +130,30 @@ def solve_steps(
     writer = FieldCacheWriter(target, mesh, lambdas, settings, polygons=_polygons(polygons), resume=resume)
     missing = writer.missing()
     if missing:
-        solution = yield from _solve(mesh, design, warm_start)
-        if len(solution.lambdas) != len(lambdas):
-            raise InputError(f"the solve gave {len(solution.lambdas)} samples instead of {len(lambdas)}")
+        solving = solve.start_solve(mesh, design, warm_start)
+        yield from _until_done(solving, 0.0, SOLVED, "Solving")
+        solution = solving.result()
+        streams = native.start_stream_functions(solution.fields["advection"])
+        yield from _until_done(streams, SOLVED, WRITING, "Finding the stream functions")
+        stream = streams.result()
         for done, j in enumerate(missing):
             notes = solution.notes if done == 0 else ()
-            yield Step(
-                _between(SOLVE_PART, 1.0, done / len(missing)), f"Writing sample {j + 1} of {len(lambdas)}", notes=notes
-            )
-            writer.write_sample(j, fields.attributes_of(solution, j))
+            message = f"Writing sample {j + 1} of {len(lambdas)}"
+            yield Step(_between(WRITING, 1.0, done / len(missing)), message, notes=notes)
+            writer.write_sample(j, fields.attributes_of(solution, stream, j))
     yield Step(1.0, "Joining the samples")
     writer.finish()
     return target
 
 
-def _solve(mesh: MeshData, design: Design, warm_start) -> Steps[Any]:
-    job = solve.start_solve(mesh, design, warm_start)
+def _until_done(running, start: float, end: float, message: str) -> Steps[None]:
+    """Waits for work on the core's threads; closing the generator stops it."""
     try:
-        while not job.done:
-            yield Step(SOLVE_PART * job.fraction, "Solving", waiting=True)
-        return job.result()
+        while not running.done:
+            yield Step(_between(start, end, running.fraction), message, waiting=True)
     finally:
-        if not job.done:
-            job.cancel()
+        if not running.done:
+            running.cancel()
 
 
 # Bake -----------------------------------------------------------------------------------------------------------------
@@ -210,8 +211,10 @@ def _bake_frames(task: BakeTask, cache: FieldCache, indices, baked_from) -> Step
         mesh = fields.native_mesh(task.mesh)
         flow = FlowFrames(fields.parameterized(cache, fields.ADVECTION, mesh), task)
         for done, index in enumerate(missing):
-            yield Step(done / len(missing), f"Carrying texture to frame {task.frames[index]}")
-            writer.write_sample(index, flow.attributes(index))
+            running = flow.start(index)
+            message = f"Carrying texture to frame {task.frames[index]}"
+            yield from _until_done(running, done / len(missing), (done + 1) / len(missing), message)
+            writer.write_sample(index, flow.finish(running))
     yield Step(1.0, "Joining the frames")
     return folder, [], writer.finish()
 
