@@ -97,7 +97,8 @@ py::array_t<double> toArray(const StreamFunctions& psi) {
 void bindCoordinates(py::module_& m) {
   const AdvectionOptions defaults;
   const StaggerOptions noise;
-  bindJob<FramesJob>(m, "AdvectionJob", "Runs AdvectedCoordinates.start; its result is a list of (phase_a, phase_b, blend).",
+  bindJob<FramesJob>(m, "AdvectionJob",
+                     "Runs AdvectedCoordinates.start; its result is a list of (phase_a, phase_b, blend).",
                      [](const std::vector<AdvectedFrame>& frames) {
                        py::list result;
                        for (const AdvectedFrame& frame : frames) result.append(toPython(frame));
@@ -105,28 +106,36 @@ void bindCoordinates(py::module_& m) {
                      });
   py::class_<CoordinatesHandle>(
       m, "AdvectedCoordinates", py::module_local(),
-      "Texture coordinates that flow with an advection field: two phases per vertex, each the place where the material\n"
-      "of the vertex was when its cycle began, plus a random vector per cycle. Every frame is computed from scratch, so\n"
+      "Texture coordinates that flow with an advection field: two phases per vertex, each the place where the "
+      "material\n"
+      "of the vertex was when its cycle began, plus a random vector per cycle. Every frame is computed from scratch, "
+      "so\n"
       "any part of an animation gives the same bytes. Shaders blend the texture T (mean m) of both phases as\n"
       "m + (w_a (T(a) - m) + w_b (T(b) - m)) / sqrt(w_a^2 + w_b^2) with w_b = blend, w_a = 1 - blend.")
-      .def(py::init(&makeCoordinates), py::arg("field"), py::arg("frames"), py::arg("lambdas"), py::kw_only(),
-           py::arg("frames_per_second") = defaults.framesPerSecond, py::arg("period") = defaults.period,
-           py::arg("speed") = defaults.speed, py::arg("dead_zone") = defaults.deadZone,
-           py::arg("renewal") = defaults.renewal, py::arg("tolerance") = defaults.tolerance,
-           py::arg("seed") = defaults.seed, py::arg("stagger_cycles") = noise.cycles,
-           py::arg("stagger_frequency") = noise.frequency, py::arg("offsets") = py::none(),
-           "field: ParameterizedField, mesh units per second. frames (s,) float64: increasing frame numbers (sub-frames\n"
-           "allowed), lambdas (s,) float64 there; linear between, constant outside. period: frames until a phase starts\n"
-           "anew. speed: factor on the field. dead_zone: part of a period before and after a start that is invisible.\n"
-           "renewal: range of the random vectors in sizes of the object, 0 for plain positions. tolerance: of the tracer,\n"
-           "mean edge lengths per step. stagger_cycles, stagger_frequency: how far phases differ over the object, and in\n"
-           "how many lumps per size; or give offsets (n,) float64 in periods. Raises InputError, naming the edge where\n"
-           "offsets are too steep for the dead zone.")
+      .def(
+          py::init(&makeCoordinates), py::arg("field"), py::arg("frames"), py::arg("lambdas"), py::kw_only(),
+          py::arg("frames_per_second") = defaults.framesPerSecond, py::arg("period") = defaults.period,
+          py::arg("speed") = defaults.speed, py::arg("dead_zone") = defaults.deadZone,
+          py::arg("renewal") = defaults.renewal, py::arg("tolerance") = defaults.tolerance,
+          py::arg("seed") = defaults.seed, py::arg("stagger_cycles") = noise.cycles,
+          py::arg("stagger_frequency") = noise.frequency, py::arg("offsets") = py::none(),
+          "field: ParameterizedField, mesh units per second. frames (s,) float64: increasing frame numbers "
+          "(sub-frames\n"
+          "allowed), lambdas (s,) float64 there; linear between, constant outside. period: frames until a phase "
+          "starts\n"
+          "anew. speed: factor on the field. dead_zone: part of a period before and after a start that is invisible.\n"
+          "renewal: range of the random vectors in sizes of the object, 0 for plain positions. tolerance: of the "
+          "tracer,\n"
+          "mean edge lengths per step. stagger_cycles, stagger_frequency: how far phases differ over the object, and "
+          "in\n"
+          "how many lumps per size; or give offsets (n,) float64 in periods. Raises InputError, naming the edge where\n"
+          "offsets are too steep for the dead zone.")
       .def("frame", &oneFrame, py::arg("frame"), py::arg("progress") = ProgressPointer(),
            "(phase_a (n, 3) float32, phase_b (n, 3) float32, blend (n,) float32) of one frame. Raises Cancelled.")
       .def("start", &startFrames, py::arg("frames"), "The frames of a list on other threads: an AdvectionJob to watch.")
       .def("error", &carriedError, py::arg("frame"), py::arg("samples") = 1000,
-           "Distance to much finer traces in mean edge lengths: mean and largest at vertices, and mean_between, the mean\n"
+           "Distance to much finer traces in mean edge lengths: mean and largest at vertices, and mean_between, the "
+           "mean\n"
            "at face centers, where coordinates are interpolated.")
       .def_property_readonly(
           "offsets", [](const CoordinatesHandle& self) { return copied(self.coordinates->offsets()); },
@@ -150,7 +159,8 @@ void bind_texture(py::module_& m) {
         return toArray(psi);
       },
       py::arg("field"), py::arg("progress") = ProgressPointer(),
-      "Stream function of every sample of a ParameterizedField, (s, n) float64, squared mesh units per second: the flow's\n"
+      "Stream function of every sample of a ParameterizedField, (s, n) float64, squared mesh units per second: the "
+      "flow's\n"
       "rotational part follows its level curves and has larger values on its left. Mean zero on each component, and\n"
       "continuous in lambda.");
   m.def(

@@ -29,8 +29,8 @@ Choice oneOf(const std::string& given, const char* what, const std::pair<const c
 TraceOptions makeOptions(const std::string& direction, double maximalTime, double maximalLength, double tolerance,
                          double minimalSpeed, const std::string& boundary, Index maximalSteps) {
   TraceOptions options;
-  options.direction = oneOf<Direction>(direction, "direction",
-                                       {{"forward", Direction::Forward}, {"backward", Direction::Backward}});
+  options.direction =
+      oneOf<Direction>(direction, "direction", {{"forward", Direction::Forward}, {"backward", Direction::Backward}});
   options.boundary =
       oneOf<BoundaryRule>(boundary, "boundary", {{"stop", BoundaryRule::Stop}, {"slide", BoundaryRule::Slide}});
   options.maximalTime = maximalTime;
@@ -97,9 +97,10 @@ py::array_t<T> each(const Items& items, const Get& get) {
 }  // namespace
 
 void bind_tracing(py::module_& m) {
-  py::class_<TracesHandle>(m, "Traces", py::module_local(),
-                           "Curves on the surface. Trace i has the points offsets[i]:offsets[i + 1], from its seed to its "
-                           "end,\none per edge crossing and integration step. Immutable.")
+  py::class_<TracesHandle>(
+      m, "Traces", py::module_local(),
+      "Curves on the surface. Trace i has the points offsets[i]:offsets[i + 1], from its seed to its "
+      "end,\none per edge crossing and integration step. Immutable.")
       .def("__len__", [](const TracesHandle& self) { return self.traces.ends.size(); })
       .def_property_readonly(
           "offsets",
@@ -140,28 +141,32 @@ void bind_tracing(py::module_& m) {
             for (const TraceEnd& end : self.traces.ends) result.append(kStopReasons[static_cast<int>(end.reason)]);
             return result;
           },
-          "list of k str, why each trace ends: time, length, minimal_speed (a fixed point is near), boundary, step_limit.");
+          "list of k str, why each trace ends: time, length, minimal_speed (a fixed point is near), boundary, "
+          "step_limit.");
 
   const double infinity = std::numeric_limits<double>::infinity();
   const TraceOptions defaults;
-  m.def("trace_streamlines", &streamlines, py::arg("field"), py::arg("faces"), py::arg("barycentric"), py::kw_only(),
-        py::arg("direction") = "forward", py::arg("maximal_time") = infinity, py::arg("maximal_length") = infinity,
-        py::arg("tolerance") = defaults.tolerance, py::arg("minimal_speed") = defaults.minimalSpeed,
-        py::arg("boundary") = "stop", py::arg("maximal_steps") = defaults.maximalSteps,
-        py::arg("progress") = std::shared_ptr<Progress>(),
-        "Streamlines of a VectorField through seeds: faces (k,) int32, barycentric (k, 3) float64 -> Traces.\n\n"
-        "direction: forward or backward. maximal_time: seconds. maximal_length: mesh units. tolerance: largest estimated\n"
-        "error of a step in mean edge lengths. minimal_speed: part of the fastest vertex's speed at which a trace ends.\n"
-        "boundary: stop, or slide along it. Runs in parallel with the same result for any number of threads.\n"
-        "Raises InputError (naming the seed or option) and Cancelled.");
-  m.def("trace_pathlines", &pathlines, py::arg("field"), py::arg("times"), py::arg("lambdas"), py::arg("faces"),
-        py::arg("barycentric"), py::arg("start"), py::arg("duration"), py::kw_only(), py::arg("speed") = 1.0,
-        py::arg("direction") = "forward", py::arg("maximal_length") = infinity,
-        py::arg("tolerance") = defaults.tolerance, py::arg("boundary") = "stop",
-        py::arg("maximal_steps") = defaults.maximalSteps, py::arg("progress") = std::shared_ptr<Progress>(),
-        "Pathlines of a ParameterizedField along lambda(t): times (s,) seconds, increasing, with lambdas (s,), linear\n"
-        "between and constant outside. start and duration: seconds, one number or (k,) float64; backward traces go from\n"
-        "start to earlier times. speed: factor on the field. The rest as in trace_streamlines. -> Traces.");
+  m.def(
+      "trace_streamlines", &streamlines, py::arg("field"), py::arg("faces"), py::arg("barycentric"), py::kw_only(),
+      py::arg("direction") = "forward", py::arg("maximal_time") = infinity, py::arg("maximal_length") = infinity,
+      py::arg("tolerance") = defaults.tolerance, py::arg("minimal_speed") = defaults.minimalSpeed,
+      py::arg("boundary") = "stop", py::arg("maximal_steps") = defaults.maximalSteps,
+      py::arg("progress") = std::shared_ptr<Progress>(),
+      "Streamlines of a VectorField through seeds: faces (k,) int32, barycentric (k, 3) float64 -> Traces.\n\n"
+      "direction: forward or backward. maximal_time: seconds. maximal_length: mesh units. tolerance: largest "
+      "estimated\n"
+      "error of a step in mean edge lengths. minimal_speed: part of the fastest vertex's speed at which a trace ends.\n"
+      "boundary: stop, or slide along it. Runs in parallel with the same result for any number of threads.\n"
+      "Raises InputError (naming the seed or option) and Cancelled.");
+  m.def(
+      "trace_pathlines", &pathlines, py::arg("field"), py::arg("times"), py::arg("lambdas"), py::arg("faces"),
+      py::arg("barycentric"), py::arg("start"), py::arg("duration"), py::kw_only(), py::arg("speed") = 1.0,
+      py::arg("direction") = "forward", py::arg("maximal_length") = infinity, py::arg("tolerance") = defaults.tolerance,
+      py::arg("boundary") = "stop", py::arg("maximal_steps") = defaults.maximalSteps,
+      py::arg("progress") = std::shared_ptr<Progress>(),
+      "Pathlines of a ParameterizedField along lambda(t): times (s,) seconds, increasing, with lambdas (s,), linear\n"
+      "between and constant outside. start and duration: seconds, one number or (k,) float64; backward traces go from\n"
+      "start to earlier times. speed: factor on the field. The rest as in trace_streamlines. -> Traces.");
 }
 
 }  // namespace stormfield::bindings

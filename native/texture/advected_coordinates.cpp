@@ -33,7 +33,9 @@ LambdaTrack inSeconds(const std::vector<double>& frames, const std::vector<doubl
   return track;
 }
 
-double age(double cyclePosition) { return cyclePosition - std::floor(cyclePosition); }
+double age(double cyclePosition) {
+  return cyclePosition - std::floor(cyclePosition);
+}
 
 /// The random vector that a cycle adds to the coordinates of a phase (0 or 1).
 Vec3 cycleOffset(const AdvectionOptions& options, double size, int phase, double cyclePosition) {
@@ -125,7 +127,9 @@ AdvectedFrame AdvectedCoordinates::frame(double frame, Progress* progress) const
 CarriedError AdvectedCoordinates::error(double frame, Index samples) const {
   require(samples > 0, "the error needs at least one sample");
   const auto fine = [&](const std::vector<PathlineSeed>& seeds) { return carried(seeds, 1e-10, nullptr); };
-  const auto coarse = [&](const std::vector<PathlineSeed>& seeds) { return carried(seeds, options_.tolerance, nullptr); };
+  const auto coarse = [&](const std::vector<PathlineSeed>& seeds) {
+    return carried(seeds, options_.tolerance, nullptr);
+  };
   const auto cyclePosition = [&](Index v) { return frame / options_.period + offsets_[v]; };
 
   std::vector<PathlineSeed> atVertices;
@@ -157,8 +161,8 @@ CarriedError AdvectedCoordinates::error(double frame, Index samples) const {
   const auto centers = fine(atCenters), corners = coarse(atCorners);
   for (std::size_t i = 0; i < centers.size(); ++i) {
     const Vec3 interpolated = (corners[3 * i] + corners[3 * i + 1] + corners[3 * i + 2]) / 3.0;
-    result.meanBetween += (centers[i] - interpolated).norm() / mesh().meanEdgeLength() /
-                          static_cast<double>(centers.size());
+    result.meanBetween +=
+        (centers[i] - interpolated).norm() / mesh().meanEdgeLength() / static_cast<double>(centers.size());
   }
   return result;
 }

@@ -5,11 +5,12 @@
 //     cycle position  c_a = frame / P + o(x),   c_b = c_a + 1/2,      age = fractional part of c, in periods,
 //     phase(x)        = x traced back along the unsteady advection field for age * P frames + offset of the cycle.
 // The phases are 3D positions in object space, for solid textures on any mesh. Each cycle of each phase adds its own
-// random vector (the same everywhere on the surface), so that texture comes back as another piece, never as a repetition.
+// random vector (the same everywhere on the surface), so that texture comes back as another piece, never as a
+// repetition.
 //
-// blend is the weight of phase b, 1 - blend that of a. It is exactly 0 or 1 in a dead zone around the instant at which the
-// other phase starts anew, and offsets may not differ by more than the dead zone over an edge: so no triangle shows one
-// phase at two cycles. A shader keeps the contrast of its texture T with mean m through
+// blend is the weight of phase b, 1 - blend that of a. It is exactly 0 or 1 in a dead zone around the instant at which
+// the other phase starts anew, and offsets may not differ by more than the dead zone over an edge: so no triangle shows
+// one phase at two cycles. A shader keeps the contrast of its texture T with mean m through
 //     m + (w_a (T(a) - m) + w_b (T(b) - m)) / sqrt(w_a^2 + w_b^2).
 //
 // Each frame is computed from nothing but the inputs: any part of an animation gives the same bytes. What would have
@@ -48,7 +49,8 @@ struct CarriedError {
 class AdvectedCoordinates {
  public:
   /// frames: increasing frame numbers (sub-frames allowed) with lambda at each; linear between, constant outside.
-  /// Throws InputError for options without meaning, a bad track, or offsets too steep for the dead zone (names the edge).
+  /// Throws InputError for options without meaning, a bad track, or offsets too steep for the dead zone (names the
+  /// edge).
   AdvectedCoordinates(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const ParameterizedField> field,
                       const std::vector<double>& frames, const std::vector<double>& lambdas,
                       const AdvectionOptions& options, std::vector<double> offsets);

@@ -1,7 +1,7 @@
 #include "texture/stream_function.h"
 
-#include <Eigen/SparseCholesky>
 #include <tbb/parallel_for.h>
+#include <Eigen/SparseCholesky>
 
 #include <algorithm>
 #include <atomic>

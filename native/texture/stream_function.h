@@ -2,8 +2,8 @@
 //
 // psi minimizes the integral of |V - grad psi x n|^2 over the surface (n outwards): the co-exact part of V in the
 // Hodge decomposition, V = grad phi + grad psi x n + harmonic, with natural boundary conditions. psi grows
-// to the left of the flow: on a sphere, eastward rotation about z has psi proportional to +z. psi has mean zero on every
-// component and is linear in V, so it changes continuously with lambda; units are squared mesh units per second.
+// to the left of the flow: on a sphere, eastward rotation about z has psi proportional to +z. psi has mean zero on
+// every component and is linear in V, so it changes continuously with lambda; units are squared mesh units per second.
 //
 //   const StreamFunctionSolver solver(charts);                 // factorizes the cotangent Laplacian once per mesh
 //   const std::vector<double> psi = solver.solve(field.values.data());

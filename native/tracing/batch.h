@@ -21,16 +21,17 @@ std::vector<TraceEnd> traceEach(std::size_t count, const MakeIntegrator& makeInt
   constexpr std::size_t kGrain = 64;
   std::vector<TraceEnd> ends(count);
   std::atomic<std::size_t> done{0};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const tbb::blocked_range<std::size_t>& range) {
-    auto integrator = makeIntegrator();
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      if (progress != nullptr) progress->check();
-      ends[i] = trace(i, integrator);
-    }
-    if (progress != nullptr) {
-      progress->report(static_cast<double>(done += range.size()) / static_cast<double>(count));
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      auto integrator = makeIntegrator();
+                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                        if (progress != nullptr) progress->check();
+                        ends[i] = trace(i, integrator);
+                      }
+                      if (progress != nullptr) {
+                        progress->report(static_cast<double>(done += range.size()) / static_cast<double>(count));
+                      }
+                    });
   return ends;
 }
 

@@ -9,7 +9,9 @@
 namespace stormfield {
 
 /// As std::abs, without its care for numbers near the limits of double precision.
-inline double magnitude(Complex a) { return std::sqrt(std::norm(a)); }
+inline double magnitude(Complex a) {
+  return std::sqrt(std::norm(a));
+}
 
 /// s is the fraction of the step, 0..1.
 struct DenseStep {
@@ -41,8 +43,8 @@ struct DenseStep {
   }
 };
 
-/// First s in (0, 1] at which a cubic falls below zero, given its values and slopes at 0 and 1; 2 when it does not, or by
-/// less than slack. It starts at a positive value, or at zero with a positive slope.
+/// First s in (0, 1] at which a cubic falls below zero, given its values and slopes at 0 and 1; 2 when it does not, or
+/// by less than slack. It starts at a positive value, or at zero with a positive slope.
 inline double firstExit(double value0, double slope0, double value1, double slope1, double slack) {
   const double a2 = 3.0 * (value1 - value0) - 2.0 * slope0 - slope1;
   const double a3 = 2.0 * (value0 - value1) + slope0 + slope1;

@@ -1,8 +1,8 @@
 // The surface laid out for tracing: every face in its own flat frame, ready to evaluate the continuous interpolation
 // (field/interpolation.h, thesis 2.5) of any field on the mesh and to step over its edges.
 //
-// It holds what depends on the mesh alone, one block per face, so that entering a face costs one look-up of three vertex
-// values. The field is split in two:
+// It holds what depends on the mesh alone, one block per face, so that entering a face costs one look-up of three
+// vertex values. The field is split in two:
 //     V(p) = sum_i b_i u_i + sum_i b_i u_i (exp(i twist_i psi_i) - 1),
 // the linear part in double precision, and the correction for curvature, which is as small as the twist, in single
 // precision with polynomials for the arc tangent and the exponential. The error stays below 1e-6 of twist times speed,
@@ -33,9 +33,10 @@ struct CarriedVectors {
   /// this + factor * other
   CarriedVectors plus(double factor, const CarriedVectors& other) const {
     const auto f = static_cast<float>(factor);
-    return {{exact[0] + factor * other.exact[0], exact[1] + factor * other.exact[1], exact[2] + factor * other.exact[2]},
-            x + f * other.x,
-            y + f * other.y};
+    return {
+        {exact[0] + factor * other.exact[0], exact[1] + factor * other.exact[1], exact[2] + factor * other.exact[2]},
+        x + f * other.x,
+        y + f * other.y};
   }
 };
 
@@ -88,9 +89,9 @@ class alignas(64) FlatFace {
   Complex evaluateExtreme(const CarriedVectors& u, const std::array<double, 3>& b, Complex p) const;
 
   Eigen::Array4d cornerX_, cornerY_;
-  std::array<Complex, 3> turn_;   ///< unit factor from the vertex chart to the flat frame, along the bisector
-  Lanes bisectorX_, bisectorY_;   ///< divided by the base, so that no scale of mesh leaves single precision
-  Lanes doubleTwist_;             ///< 2 (1 - scale): the angle below is half the angle to the bisector
+  std::array<Complex, 3> turn_;  ///< unit factor from the vertex chart to the flat frame, along the bisector
+  Lanes bisectorX_, bisectorY_;  ///< divided by the base, so that no scale of mesh leaves single precision
+  Lanes doubleTwist_;            ///< 2 (1 - scale): the angle below is half the angle to the bisector
   std::array<Index, 3> vertices_, twins_;
   Shape shape_ = Shape::Flat;
 };
@@ -125,8 +126,8 @@ inline Complex FlatFace::evaluate(const CarriedVectors& u, Complex p) const {
   const Lanes t = (y / (x + (x * x + y * y).sqrt()).max(1e-30F)).max(-0.7F).min(0.7F);
   const Lanes q = t * t, qq = q * q;
   // Minimax polynomial of the arc tangent up to 30 degrees, Taylor polynomials of sine and cosine up to 0.8.
-  const Lanes arcTangent = t * ((0.999999635F - q * 0.333276988F) +
-                                qq * ((0.198587589F - q * 0.130086581F) + qq * 0.060380120F));
+  const Lanes arcTangent =
+      t * ((0.999999635F - q * 0.333276988F) + qq * ((0.198587589F - q * 0.130086581F) + qq * 0.060380120F));
   const Lanes angle = doubleTwist_ * arcTangent, s = angle * angle, ss = s * s;
   const Lanes cosineLess1 = s * ((s * (1.0F / 24) - 1.0F / 2) + ss * (s * (1.0F / 40320) - 1.0F / 720));
   const Lanes sine = angle * ((1.0F - s * (1.0F / 6)) + ss * (1.0F / 120 - s * (1.0F / 5040)));

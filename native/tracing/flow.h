@@ -26,7 +26,8 @@ class SteadyFlow {
   void advance(Cursor&) const {}
 
   Local enter(const FlatFace& face, Cursor) const {
-    return face.carry(rate_ * values_[face.vertex(0)], rate_ * values_[face.vertex(1)], rate_ * values_[face.vertex(2)]);
+    return face.carry(rate_ * values_[face.vertex(0)], rate_ * values_[face.vertex(1)],
+                      rate_ * values_[face.vertex(2)]);
   }
   Complex velocity(const FlatFace& face, const Local& u, Cursor, Complex p, double) const {
     return face.evaluate(u, p);
@@ -57,9 +58,7 @@ class UnsteadyFlow {
     const auto i = static_cast<Cursor>(it - s.begin());
     return backward_ && i > 0 && s[i].begin == t ? i - 1 : i;
   }
-  double remaining(Cursor i, double t) const {
-    return backward_ ? t - (*segments_)[i].begin : (*segments_)[i].end - t;
-  }
+  double remaining(Cursor i, double t) const { return backward_ ? t - (*segments_)[i].begin : (*segments_)[i].end - t; }
   double segmentDuration(Cursor i) const { return (*segments_)[i].end - (*segments_)[i].begin; }
   void advance(Cursor& i) const { i = backward_ ? i - 1 : i + 1; }
 

@@ -1,11 +1,11 @@
 // The one integrator behind streamlines and pathlines: dx/dt = V(x; t) on the surface, face by face in flat frames.
 //
-// Inside a face Merson's fourth-order Runge-Kutta rule estimates and controls the error; a step is tried a little farther
-// than the straight exit from the face, and where the cubic through its ends crosses an edge, it ends on that edge, at
-// the same point for both faces. Because the field is continuous across edges, following an edge or
-// touching it needs no special case beyond a slack of round-off size. A trace that meets a vertex leaves it in the
-// direction that the vertex's own vector has in its chart, which is the one direction that is right for any sum of
-// corner angles. Nothing is allocated.
+// Inside a face Merson's fourth-order Runge-Kutta rule estimates and controls the error; a step is tried a little
+// farther than the straight exit from the face, and where the cubic through its ends crosses an edge, it ends on that
+// edge, at the same point for both faces. Because the field is continuous across edges, following an edge or touching
+// it needs no special case beyond a slack of round-off size. A trace that meets a vertex leaves it in the direction
+// that the vertex's own vector has in its chart, which is the one direction that is right for any sum of corner angles.
+// Nothing is allocated.
 #pragma once
 
 #include <array>
@@ -373,8 +373,8 @@ bool Integrator<Flow>::waitAtVertex(int corner) {
     double angle = std::arg(velocity);
     if (angle < 0.0) angle += 2.0 * std::numbers::pi;
     const double totalAngle = faces_.charts().totalAngle(v);
-    const bool pressed = angle > totalAngle && velocity.real() <= 0.0 &&
-                         (velocity * std::polar(1.0, -totalAngle)).real() <= 0.0;
+    const bool pressed =
+        angle > totalAngle && velocity.real() <= 0.0 && (velocity * std::polar(1.0, -totalAngle)).real() <= 0.0;
     if (!pressed) return leaveVertex(corner);
   }
   return stop(StopReason::StepLimit);

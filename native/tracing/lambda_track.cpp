@@ -12,8 +12,8 @@ namespace {
 
 void check(const LambdaTrack& track) {
   if (track.times.empty() || track.times.size() != track.lambdas.size()) {
-    throw InputError(message("a lambda track needs as many times as lambdas, at least one; it has ",
-                             track.times.size(), " and ", track.lambdas.size()));
+    throw InputError(message("a lambda track needs as many times as lambdas, at least one; it has ", track.times.size(),
+                             " and ", track.lambdas.size()));
   }
   for (std::size_t i = 0; i < track.times.size(); ++i) {
     if (!std::isfinite(track.times[i]) || !std::isfinite(track.lambdas[i])) {
@@ -74,7 +74,8 @@ std::vector<TimeSegment> timeSegments(const std::vector<double>& fieldLambdas, c
     }
   };
 
-  append(constantSegment(samples, -kInfinity, track.times.front(), samplePosition(fieldLambdas, track.lambdas.front())));
+  append(
+      constantSegment(samples, -kInfinity, track.times.front(), samplePosition(fieldLambdas, track.lambdas.front())));
   std::vector<double> knots;
   for (std::size_t i = 0; i + 1 < track.times.size(); ++i) {
     const double t0 = track.times[i], t1 = track.times[i + 1];

@@ -1,7 +1,8 @@
-// Lambda as a function of time (the keyframes of the artist, d lambda = s dt): linear between samples, constant outside.
+// Lambda as a function of time (the keyframes of the artist, d lambda = s dt): linear between samples, constant
+// outside.
 //
-// A field that is linear in lambda between its samples, followed along a track, is linear in time on segments: those are
-// what the integrator steps over without error.
+// A field that is linear in lambda between its samples, followed along a track, is linear in time on segments: those
+// are what the integrator steps over without error.
 #pragma once
 
 #include <vector>

@@ -27,7 +27,7 @@ struct UnsteadyField {
 
 struct PathlineSeed {
   SurfacePoint point;
-  double time = 0.0;                                               ///< seconds at which the particle is there
+  double time = 0.0;                                             ///< seconds at which the particle is there
   double maximalTime = std::numeric_limits<double>::infinity();  ///< seconds to follow it; TraceOptions has another
 };
 

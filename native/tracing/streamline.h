@@ -11,8 +11,8 @@
 
 namespace stormfield {
 
-/// All throw InputError for a field of another mesh, bad seeds or options, and Cancelled; traces run in parallel and are
-/// the same for any number of threads.
+/// All throw InputError for a field of another mesh, bad seeds or options, and Cancelled; traces run in parallel and
+/// are the same for any number of threads.
 Traces traceStreamlines(const FlatFaces& faces, const VectorField& field, const std::vector<SurfacePoint>& seeds,
                         const TraceOptions& options, Progress* progress = nullptr);
 /// The ends alone, without memory for the points between.

@@ -23,8 +23,8 @@ void checkSeeds(const TriangleMesh& mesh, const std::vector<SurfacePoint>& seeds
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     const SurfacePoint& p = seeds[i];
     if (p.face < 0 || p.face >= mesh.faceCount()) {
-      throw InputError(message("seed ", i, " is on face ", p.face, ", but the mesh has the faces 0 to ",
-                               mesh.faceCount() - 1));
+      throw InputError(
+          message("seed ", i, " is on face ", p.face, ", but the mesh has the faces 0 to ", mesh.faceCount() - 1));
     }
     const bool inside = p.barycentric.minCoeff() >= -1e-9 && std::abs(p.barycentric.sum() - 1.0) <= 1e-6;
     if (!inside) {

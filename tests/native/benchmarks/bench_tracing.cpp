@@ -43,7 +43,10 @@ void Streamlines(benchmark::State& state) {
   state.counters["median error"] = errors[errors.size() / 2];
   state.counters["95% error"] = errors[errors.size() * 95 / 100];
 }
-BENCHMARK(Streamlines)->ArgsProduct({{20, 72}, {3, 4, 5, 6, 8}})->ArgNames({"n", "digits"})->Unit(benchmark::kMillisecond);
+BENCHMARK(Streamlines)
+    ->ArgsProduct({{20, 72}, {3, 4, 5, 6, 8}})
+    ->ArgNames({"n", "digits"})
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace stormfield

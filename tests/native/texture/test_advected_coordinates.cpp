@@ -38,7 +38,8 @@ Scene stormy(Index n = 10) {
 }
 
 Vec3 row(const std::vector<float>& a, Index v) {
-  return {a[3 * static_cast<std::size_t>(v)], a[3 * static_cast<std::size_t>(v) + 1], a[3 * static_cast<std::size_t>(v) + 2]};
+  return {a[3 * static_cast<std::size_t>(v)], a[3 * static_cast<std::size_t>(v) + 1],
+          a[3 * static_cast<std::size_t>(v) + 2]};
 }
 
 TEST(BlendWeight, IsExactlyZeroAndOneInTheDeadZones) {

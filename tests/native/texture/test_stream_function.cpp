@@ -35,7 +35,8 @@ TEST(StreamFunction, RotationOfASphereIsHeight) {
 
 TEST(StreamFunction, GradientFieldsHaveNone) {
   const auto charts = surfaces::sphere(16);
-  const VectorField field = surfaces::sampled(charts, [](const Vec3& p) { return Vec3(1.0 - p.x() * p.x(), 0.0, 0.0); });
+  const VectorField field =
+      surfaces::sampled(charts, [](const Vec3& p) { return Vec3(1.0 - p.x() * p.x(), 0.0, 0.0); });
   for (const double psi : StreamFunctionSolver(charts).solve(field.values.data())) EXPECT_NEAR(psi, 0.0, 0.02);
 }
 
@@ -43,9 +44,8 @@ TEST(StreamFunction, StreamlinesFollowItsLevels) {
   // The divergence-free field of a known stream function with six extrema.
   const auto charts = surfaces::sphere(32);
   const auto known = [](const Vec3& p) { return p.x() * p.x() + 0.5 * p.y() * p.y() * p.z(); };
-  const VectorField field = surfaces::sampled(charts, [](const Vec3& p) {
-    return Vec3(Vec3(2.0 * p.x(), p.y() * p.z(), 0.5 * p.y() * p.y()).cross(p));
-  });
+  const VectorField field = surfaces::sampled(
+      charts, [](const Vec3& p) { return Vec3(Vec3(2.0 * p.x(), p.y() * p.z(), 0.5 * p.y() * p.y()).cross(p)); });
   const auto psi = StreamFunctionSolver(charts).solve(field.values.data());
   const FlatFaces faces(charts);
   for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 100, 3)) {

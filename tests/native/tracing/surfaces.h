@@ -48,9 +48,10 @@ inline ChartsPointer sphere(Index n) {
   const double g = std::numbers::phi;
   const std::vector<Vec3> corners = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                                      {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
-  const std::vector<std::array<int, 3>> faces = {
-      {0, 11, 5}, {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-      {3, 9, 4},  {3, 4, 2},  {3, 2, 6},  {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  const std::vector<std::array<int, 3>> faces = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                                 {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                                 {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                                 {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   std::map<std::array<long, 3>, Index> known;
   std::vector<Vec3> points;
   std::vector<std::array<Index, 3>> triangles;
@@ -87,9 +88,11 @@ inline ChartsPointer torus(Index n, Index m, double r = 0.4, double jitter = 0.0
   Triangles triangles(2 * n * m, 3);
   for (Index i = 0, f = 0; i < n; ++i) {
     for (Index j = 0; j < m; ++j) {
-      const double u = 2.0 * std::numbers::pi * (i + move(random)) / n, v = 2.0 * std::numbers::pi * (j + move(random)) / m;
+      const double u = 2.0 * std::numbers::pi * (i + move(random)) / n,
+                   v = 2.0 * std::numbers::pi * (j + move(random)) / m;
       const double rr = r * (1.0 + 0.3 * move(random));
-      points.row(i * m + j) << (1.0 + rr * std::cos(v)) * std::cos(u), (1.0 + rr * std::cos(v)) * std::sin(u), rr * std::sin(v);
+      points.row(i * m + j) << (1.0 + rr * std::cos(v)) * std::cos(u), (1.0 + rr * std::cos(v)) * std::sin(u),
+          rr * std::sin(v);
       const Index a = i * m + j, b = (i + 1) % n * m + j, c = i * m + (j + 1) % m, d = (i + 1) % n * m + (j + 1) % m;
       triangles.row(f++) << a, b, d;
       triangles.row(f++) << a, d, c;

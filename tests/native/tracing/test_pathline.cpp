@@ -21,7 +21,8 @@ ParameterizedField blend(const std::vector<VectorField>& samples) {
 }
 
 TEST(LambdaTrack, SegmentsFollowSamplesAndTimes) {
-  const auto segments = timeSegments({0.0, 0.5, 1.0}, {.times = {0.0, 10.0, 20.0, 30.0}, .lambdas = {0.0, 1.0, 1.0, 0.75}});
+  const auto segments =
+      timeSegments({0.0, 0.5, 1.0}, {.times = {0.0, 10.0, 20.0, 30.0}, .lambdas = {0.0, 1.0, 1.0, 0.75}});
   ASSERT_EQ(segments.size(), 6U);
   EXPECT_EQ(segments[1].sample, 0);
   EXPECT_EQ(segments[1].end, 5.0);
@@ -90,16 +91,17 @@ TEST(Pathline, LinearInTimeIsExactInThePlane) {
 TEST(Pathline, ForwardThenBackwardReturnsAtVerticesToo) {
   const auto charts = surfaces::sphere(12);
   const FlatFaces faces(charts);
-  const ParameterizedField field = blend({surfaces::swirlField(charts), surfaces::swirlField(charts, 1.0),
-                                          surfaces::swirlField(charts, 2.0)});
+  const ParameterizedField field =
+      blend({surfaces::swirlField(charts), surfaces::swirlField(charts, 1.0), surfaces::swirlField(charts, 2.0)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
   std::vector<PathlineSeed> seeds;
-  for (Index v = 0; v < charts->mesh().vertexCount(); v += 5) seeds.push_back({vertexPoint(charts->mesh(), v), 0.2, 0.6});
+  for (Index v = 0; v < charts->mesh().vertexCount(); v += 5)
+    seeds.push_back({vertexPoint(charts->mesh(), v), 0.2, 0.6});
   const auto there = tracePathlineEnds(flow, seeds, {.tolerance = 1e-8});
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     EXPECT_EQ(there[i].reason, StopReason::Time);
-    const auto back = tracePathlineEnds(flow, {{there[i].point, 0.8, 0.6}},
-                                        {.direction = Direction::Backward, .tolerance = 1e-8});
+    const auto back =
+        tracePathlineEnds(flow, {{there[i].point, 0.8, 0.6}}, {.direction = Direction::Backward, .tolerance = 1e-8});
     EXPECT_LT((position(charts->mesh(), back[0].point) - position(charts->mesh(), seeds[i].point)).norm(), 1e-5);
   }
 }
@@ -129,14 +131,15 @@ TEST(Pathline, WaitsAtACornerOfTheBoundaryUntilTheFlowTurns) {
   };
   const ParameterizedField field = blend({constant(1.0, 1.0), constant(-1.0, -1.0)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
-  const TraceEnd end = tracePathlineEnds(flow, {{vertexPoint(charts->mesh(), 48), 0.0, 1.0}},
-                                         {.boundary = BoundaryRule::Slide}).front();
+  const TraceEnd end =
+      tracePathlineEnds(flow, {{vertexPoint(charts->mesh(), 48), 0.0, 1.0}}, {.boundary = BoundaryRule::Slide}).front();
   EXPECT_EQ(end.time, 1.0);
   EXPECT_NEAR((position(charts->mesh(), end.point) - Vec3(0.75, 0.75, 0.0)).norm(), 0.0, 0.02);
 }
 
 TEST(Pathline, NeverLoopsForEver) {
-  const std::vector<surfaces::ChartsPointer> meshes = {surfaces::sphere(5), surfaces::cube(), surfaces::square(9, 0.45)};
+  const std::vector<surfaces::ChartsPointer> meshes = {surfaces::sphere(5), surfaces::cube(),
+                                                       surfaces::square(9, 0.45)};
   for (unsigned run = 0; run < 12; ++run) {
     const auto& charts = meshes[run % meshes.size()];
     const FlatFaces faces(charts);
@@ -145,7 +148,8 @@ TEST(Pathline, NeverLoopsForEver) {
     const UnsteadyField flow(faces, field, {.times = {0.0, 1.0, 1.5}, .lambdas = {0.0, 1.0, 0.3}});
     std::vector<PathlineSeed> seeds;
     for (const SurfacePoint& p : surfaces::randomSeeds(charts->mesh(), 100, run)) seeds.push_back({p, 2.0, 2.5});
-    for (Index v = 0; v < charts->mesh().vertexCount(); ++v) seeds.push_back({vertexPoint(charts->mesh(), v), 2.0, 2.5});
+    for (Index v = 0; v < charts->mesh().vertexCount(); ++v)
+      seeds.push_back({vertexPoint(charts->mesh(), v), 2.0, 2.5});
     for (const BoundaryRule rule : {BoundaryRule::Stop, BoundaryRule::Slide}) {
       const auto ends = tracePathlineEnds(flow, seeds, {.direction = Direction::Backward, .boundary = rule});
       for (const TraceEnd& end : ends) {

@@ -11,7 +11,9 @@
 namespace stormfield {
 namespace {
 
-Vec3 at(const FlatFaces& faces, const SurfacePoint& p) { return position(faces.mesh(), p); }
+Vec3 at(const FlatFaces& faces, const SurfacePoint& p) {
+  return position(faces.mesh(), p);
+}
 
 double distanceInEdges(const FlatFaces& faces, const SurfacePoint& a, const SurfacePoint& b) {
   return (at(faces, a) - at(faces, b)).norm() / faces.mesh().meanEdgeLength();
@@ -43,7 +45,8 @@ TEST(Streamline, AlongEdgesAndThroughVertices) {
   for (const Vec3& velocity : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(1, 1, 0), Vec3(-1, -1, 0), Vec3(1, 2, 0)}) {
     const VectorField field = surfaces::sampled(charts, [&](const Vec3&) { return velocity; });
     for (Index f = 0; f < charts->mesh().faceCount(); ++f) {
-      for (const Eigen::Vector3d& b : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 0.5, 0.5), Eigen::Vector3d(0, 1, 0)}) {
+      for (const Eigen::Vector3d& b :
+           {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 0.5, 0.5), Eigen::Vector3d(0, 1, 0)}) {
         const SurfacePoint seed{f, b};
         const TraceEnd end = traceStreamline(faces, field, seed, {});
         const Vec3 from = at(faces, seed), to = at(faces, end.point);
@@ -92,8 +95,8 @@ TEST(Streamline, ForwardThenBackwardReturns) {
     for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 100, 3)) {
       const TraceEnd there = traceStreamline(faces, field, seed, {.maximalTime = 0.5, .tolerance = 1e-8});
       if (there.reason != StopReason::Time) continue;
-      const TraceEnd back = traceStreamline(
-          faces, field, there.point, {.direction = Direction::Backward, .maximalTime = 0.5, .tolerance = 1e-8});
+      const TraceEnd back = traceStreamline(faces, field, there.point,
+                                            {.direction = Direction::Backward, .maximalTime = 0.5, .tolerance = 1e-8});
       EXPECT_LT(distanceInEdges(faces, back.point, seed), 1e-4);
       EXPECT_NEAR(back.length, there.length, 1e-5);
     }
@@ -126,7 +129,8 @@ TEST(Streamline, SamePathFromBothSidesOfAnEdge) {
   const VectorField field = surfaces::swirlField(charts);
   for (Index e = 0; e < mesh.edgeCount(); e += 7) {
     const Index h = mesh.edgeHalfedge(e), t = mesh.twin(h);
-    SurfacePoint left{TriangleMesh::face(h), Eigen::Vector3d::Zero()}, right{TriangleMesh::face(t), Eigen::Vector3d::Zero()};
+    SurfacePoint left{TriangleMesh::face(h), Eigen::Vector3d::Zero()},
+        right{TriangleMesh::face(t), Eigen::Vector3d::Zero()};
     left.barycentric[TriangleMesh::corner(h)] = right.barycentric[(TriangleMesh::corner(t) + 1) % 3] = 0.3;
     left.barycentric[(TriangleMesh::corner(h) + 1) % 3] = right.barycentric[TriangleMesh::corner(t)] = 0.7;
     const TraceEnd a = traceStreamline(faces, field, left, {.maximalTime = 0.3, .tolerance = 1e-9});
@@ -178,8 +182,8 @@ TEST(Streamline, SlidesAlongTheBoundaryUntilTheFlowTurnsInwards) {
 }
 
 TEST(Streamline, NeverLeavesAndNeverLoopsForEver) {
-  const std::vector<surfaces::ChartsPointer> meshes = {surfaces::sphere(6), surfaces::torus(14, 9, 0.4, 0.45), surfaces::cube(),
-                                                       surfaces::square(12, 0.45)};
+  const std::vector<surfaces::ChartsPointer> meshes = {surfaces::sphere(6), surfaces::torus(14, 9, 0.4, 0.45),
+                                                       surfaces::cube(), surfaces::square(12, 0.45)};
   for (unsigned run = 0; run < 40; ++run) {
     const auto& charts = meshes[run % meshes.size()];
     const FlatFaces faces(charts);
@@ -259,7 +263,8 @@ TEST(Streamline, FieldOfZerosStaysAtTheSeed) {
   const auto charts = surfaces::sphere(3);
   const FlatFaces faces(charts);
   const VectorField field{charts, std::vector<Complex>(charts->mesh().vertexCount(), 0.0)};
-  for (const SurfacePoint& seed : {vertexPoint(charts->mesh(), 4), surfaces::randomSeeds(charts->mesh(), 1, 1).front()}) {
+  for (const SurfacePoint& seed :
+       {vertexPoint(charts->mesh(), 4), surfaces::randomSeeds(charts->mesh(), 1, 1).front()}) {
     const TraceEnd end = traceStreamline(faces, field, seed, {});
     EXPECT_EQ(end.reason, StopReason::MinimalSpeed);
     EXPECT_NEAR((at(faces, end.point) - at(faces, seed)).norm(), 0.0, 1e-12);
@@ -275,7 +280,8 @@ TEST(Streamline, RefusesBadInput) {
   EXPECT_THROW(traceStreamline(faces, field, {charts->mesh().faceCount(), {1, 0, 0}}, {}), InputError);
   EXPECT_THROW(traceStreamline(faces, field, {0, {0.6, 0.6, 0.6}}, {}), InputError);
   EXPECT_THROW(traceStreamline(faces, field, {0, {1.5, -0.5, 0.0}}, {}), InputError);
-  EXPECT_THROW(traceStreamline(faces, field, {0, {std::numeric_limits<double>::quiet_NaN(), 0.5, 0.5}}, {}), InputError);
+  EXPECT_THROW(traceStreamline(faces, field, {0, {std::numeric_limits<double>::quiet_NaN(), 0.5, 0.5}}, {}),
+               InputError);
   EXPECT_THROW(traceStreamline(faces, field, good, {.maximalTime = -1.0}), InputError);
   EXPECT_THROW(traceStreamline(faces, field, good, {.tolerance = 0.0}), InputError);
   EXPECT_THROW(traceStreamline(faces, field, good, {.maximalSteps = 0}), InputError);

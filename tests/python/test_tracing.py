@@ -1,0 +1,106 @@
+"""Streamlines and pathlines from Python."""
+
+import numpy as np
+import pytest
+from stormfield import native
+from stormfield.readers.icosphere import icosphere
+
+
+@pytest.fixture(scope="module")
+def sphere():
+    data = icosphere(5000)
+    return native.TriangleMesh(data.vertices, data.triangles)
+
+
+@pytest.fixture(scope="module")
+def rotation(sphere):
+    return native.VectorField.from_space(sphere, np.cross([0.0, 0.0, 1.0], sphere.vertices))
+
+
+def seeds(mesh, count, seed=1):
+    random = np.random.default_rng(seed)
+    barycentric = random.dirichlet([1.0, 1.0, 1.0], count)
+    return random.integers(0, mesh.face_count, count).astype(np.int32), barycentric
+
+
+def split(traces):
+    return [slice(a, b) for a, b in zip(traces.offsets[:-1], traces.offsets[1:], strict=True)]
+
+
+def test_circles_of_a_rotating_sphere_close(sphere, rotation):
+    faces, barycentric = seeds(sphere, 40)
+    traces = native.trace_streamlines(rotation, faces, barycentric, maximal_time=2 * np.pi)
+    assert len(traces) == 40 and traces.reasons == ["time"] * 40
+    start = sphere.positions(faces, barycentric)
+    for i, part in enumerate(split(traces)):
+        points, times = traces.points[part], traces.times[part]
+        np.testing.assert_allclose(points[0], start[i], atol=1e-12)
+        np.testing.assert_allclose(points[-1], start[i], atol=0.01)
+        np.testing.assert_allclose(points[:, 2], start[i][2], atol=0.01)
+        assert times[0] == 0.0 and times[-1] == 2 * np.pi and (np.diff(times) > 0).all()
+        assert traces.lengths[i] == pytest.approx(2 * np.pi * np.hypot(*start[i][:2]), rel=0.01)
+
+
+def test_points_lie_in_their_faces(sphere, rotation):
+    traces = native.trace_streamlines(rotation, *seeds(sphere, 10), maximal_length=1.0)
+    np.testing.assert_allclose(sphere.positions(traces.faces, traces.barycentric), traces.points, atol=1e-12)
+    assert traces.reasons == ["length"] * 10
+    np.testing.assert_allclose(traces.lengths, 1.0)
+
+
+def test_backward_returns(sphere, rotation):
+    faces, barycentric = seeds(sphere, 10)
+    there = native.trace_streamlines(rotation, faces, barycentric, maximal_time=1.0, tolerance=1e-8)
+    ends = there.offsets[1:] - 1
+    back = native.trace_streamlines(
+        rotation, there.faces[ends], there.barycentric[ends], maximal_time=1.0, tolerance=1e-8, direction="backward"
+    )
+    np.testing.assert_allclose(back.points[back.offsets[1:] - 1], there.points[there.offsets[:-1]], atol=1e-6)
+
+
+def test_pathlines_follow_lambda(sphere, rotation):
+    values = np.stack([0.0 * rotation.values, rotation.values])
+    field = native.ParameterizedField(sphere, np.array([0.0, 1.0]), values)
+    faces, barycentric = seeds(sphere, 20)
+    # Speed rises from 0 to 1 within a second, then stays: an angle of 1/2 after 1 s, 3/2 after 2 s.
+    traces = native.trace_pathlines(field, np.array([0.0, 1.0]), np.array([0.0, 1.0]), faces, barycentric, 0.0, 2.0)
+    assert traces.reasons == ["time"] * 20
+    start, end = traces.points[traces.offsets[:-1]], traces.points[traces.offsets[1:] - 1]
+    turn = np.angle((end[:, 0] + 1j * end[:, 1]) / (start[:, 0] + 1j * start[:, 1]))
+    np.testing.assert_allclose(turn, 1.5, atol=0.02)
+
+
+def test_pathline_of_a_steady_field_is_its_streamline(sphere, rotation):
+    field = native.ParameterizedField(sphere, np.array([0.0, 1.0]), np.stack([rotation.values] * 2))
+    faces, barycentric = seeds(sphere, 20)
+    durations = np.linspace(0.1, 2.0, 20)
+    paths = native.trace_pathlines(
+        field, np.array([0.0, 1.0]), np.array([0.0, 1.0]), faces, barycentric, np.zeros(20), durations, speed=0.5
+    )
+    for i in range(20):
+        line = native.trace_streamlines(
+            rotation, faces[i : i + 1], barycentric[i : i + 1], maximal_time=0.5 * durations[i]
+        )
+        np.testing.assert_allclose(paths.points[paths.offsets[i + 1] - 1], line.points[-1], atol=1e-5)
+
+
+def test_bad_input_is_named(sphere, rotation):
+    faces, barycentric = seeds(sphere, 3)
+    with pytest.raises(native.InputError, match="forward or backward"):
+        native.trace_streamlines(rotation, faces, barycentric, direction="up")
+    with pytest.raises(native.InputError, match="stop or slide"):
+        native.trace_streamlines(rotation, faces, barycentric, boundary="bounce")
+    with pytest.raises(native.InputError, match="float64"):
+        native.trace_streamlines(rotation, faces, barycentric.astype(np.float32))
+    with pytest.raises(native.InputError, match="tolerance"):
+        native.trace_streamlines(rotation, faces, barycentric, tolerance=0.0)
+    faces[1] = sphere.face_count
+    with pytest.raises(native.InputError):
+        native.trace_streamlines(rotation, faces, barycentric)
+
+
+def test_cancel(sphere, rotation):
+    progress = native.Progress()
+    progress.cancel()
+    with pytest.raises(native.Cancelled):
+        native.trace_streamlines(rotation, *seeds(sphere, 3), maximal_time=1.0, progress=progress)
