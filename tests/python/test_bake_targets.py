@@ -200,7 +200,23 @@ def test_volumes_are_read_by_blenders_openvdb(task, mesh):
     assert np.allclose(advection.getConstAccessor().getValue((8, 4, 5)), expected, atol=1e-6)
 
 
+ALL = frozenset({"usd", "exr", "vdb"})
+
+
+def test_the_frame_cache_holds_the_flowing_coordinates(task, mesh):
+    result = job.run(job.bake_steps(replace(task, targets=frozenset({"usd"}), flow=job.FlowSettings(period=8))))
+    cache = open_cache(result.folders["usd"])
+    assert np.array_equal(cache.frames, [1, 2, 3, 4])
+    sample = cache.sample(2)
+    assert sample.keys() == {"sf_phase_a", "sf_phase_b", "sf_blend"}
+    assert sample["sf_phase_a"].shape == (len(mesh.vertices), 3)
+    assert 0.0 <= sample["sf_blend"].min() and sample["sf_blend"].max() <= 1.0
+    again = job.run(job.bake_steps(replace(task, targets=frozenset({"usd"}), flow=job.FlowSettings(period=9))))
+    assert again.folders["usd"] != result.folders["usd"]
+
+
 def test_any_split_of_the_frames_gives_the_same_bytes(task, tmp_path):
+    task = replace(task, targets=ALL)
     whole = job.run(job.bake_steps(replace(task, root=tmp_path / "whole")))
     split = replace(task, root=tmp_path / "split")
     first = job.run(job.bake_steps(replace(split, only=frozenset({2, 3}))))
@@ -208,11 +224,12 @@ def test_any_split_of_the_frames_gives_the_same_bytes(task, tmp_path):
     assert not (first.folders["exr"] / "manifest.json").exists()
     second = job.run(job.bake_steps(replace(split, only=frozenset({1, 4}))))
     assert second.whole
-    for target in ("exr", "vdb"):
+    for target in ALL:
         assert contents(whole.folders[target]) == contents(second.folders[target])
 
 
 def test_a_bake_stopped_at_any_step_resumes_to_the_same_bytes(task, tmp_path):
+    task = replace(task, targets=ALL)
     expected = job.run(job.bake_steps(replace(task, root=tmp_path / "whole")))
     stopped = replace(task, root=tmp_path / "stopped")
     for stop in range(1, 100):
@@ -226,7 +243,7 @@ def test_a_bake_stopped_at_any_step_resumes_to_the_same_bytes(task, tmp_path):
         if ended:
             break
     result = job.run(job.bake_steps(stopped))
-    for target in ("exr", "vdb"):
+    for target in ALL:
         assert contents(result.folders[target]) == contents(expected.folders[target])
 
 

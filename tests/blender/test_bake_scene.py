@@ -1,0 +1,127 @@
+"""stormfield bake SCENE.blend: the scene's bakes without its window."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from stormfield.cli import main
+
+
+def contents(folder):
+    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(Path(folder).rglob("*")) if p.is_file()}
+
+
+@pytest.fixture
+def file(storms, scene, tmp_path):
+    """The two storms with λ keyed over frames 1 to 6 and a UV layer, saved."""
+    scene.frame_end = 6
+    for frame, lam in ((1, 0.0), (6, 1.0)):
+        storms.stormfield.lam = lam
+        storms.keyframe_insert("stormfield.lam", frame=frame)
+    settings = storms.stormfield.bake
+    settings.resolution, settings.voxel_size, settings.period = "256", 0.1, 4
+    layer = (
+        storms.data.uv_layers.new(name="Map") if "Map" not in storms.data.uv_layers else storms.data.uv_layers["Map"]
+    )
+    corners = np.random.default_rng(0).random(len(storms.data.loops) * 2).astype(np.float32)
+    layer.uv.foreach_set("vector", corners)
+    path = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+def bake(*arguments):
+    return main(["bake", *map(str, arguments)])
+
+
+def folder_of(path, target):
+    (found,) = (path.parent / "stormfield_cache" / "Ball").glob(f"{target}*")
+    return found
+
+
+def refused(capfd, *arguments):
+    """The one line of a user fault."""
+    capfd.readouterr()
+    assert bake(*arguments) == 2
+    captured = capfd.readouterr()
+    lines = [line for line in captured.err.splitlines() if line.strip()]
+    assert len(lines) == 1 and lines[0].startswith("stormfield: ")
+    return lines[0]
+
+
+def test_all_targets(file, capfd):
+    capfd.readouterr()
+    assert bake(file, "--targets", "usd,exr,vdb") == 0
+    lines = capfd.readouterr().out.splitlines()
+    assert [line.split("\t")[:2] for line in lines] == [["Ball", "usd"], ["Ball", "exr"], ["Ball", "vdb"]]
+    assert all(Path(line.split("\t")[2]).is_dir() for line in lines)
+    for target, ending in (("lambda", "usdc"), ("frames", "usdc"), ("exr", "exr"), ("vdb", "vdb")):
+        folder = folder_of(file, target)
+        assert (folder / "manifest.json").exists()
+        assert len(list(folder.glob(f"*/*.{ending}"))) == (5 if target == "lambda" else 6)
+
+
+def test_two_machines_give_what_one_gives(file):
+    assert bake(file, "--targets", "usd,exr") == 0
+    expected = {target: contents(folder_of(file, target)) for target in ("frames", "exr")}
+    for target in expected:
+        for path in sorted(folder_of(file, target).rglob("*"), reverse=True):
+            path.unlink() if path.is_file() else path.rmdir()
+    assert bake(file, "--targets", "usd,exr", "--frames", "4-6") == 0
+    assert not (folder_of(file, "exr") / "manifest.json").exists()
+    assert bake(file, "--targets", "usd,exr", "--frames", "1-3") == 0
+    assert {target: contents(folder_of(file, target)) for target in expected} == expected
+
+
+def test_resume_writes_only_what_is_missing(file):
+    assert bake(file, "--targets", "exr") == 0
+    folder = folder_of(file, "exr")
+    before = contents(folder)
+    kept = (folder / "frames/frame_0001.exr").stat().st_mtime_ns
+    (folder / "frames/frame_0002.exr").unlink()
+    assert bake(file, "--targets", "exr", "--resume") == 0
+    assert contents(folder) == before
+    assert (folder / "frames/frame_0001.exr").stat().st_mtime_ns == kept
+
+
+def test_a_saved_scene_shows_its_bakes(file, attribute):
+    assert bake(file, "--save") == 0
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.open_mainfile(filepath=str(file))
+    obj = bpy.data.objects["Ball"]
+    bpy.context.scene.frame_set(1)
+    first = attribute(obj, "sf_advection"), attribute(obj, "sf_phase_a")
+    bpy.context.scene.frame_set(4)
+    assert attribute(obj, "sf_blend").shape == (len(obj.data.vertices),)
+    assert all(
+        not np.array_equal(a, attribute(obj, name))
+        for a, name in zip(first, ("sf_advection", "sf_phase_a"), strict=True)
+    )
+
+
+def test_without_save_the_file_stays_as_it_was(file):
+    before = file.read_bytes()
+    assert bake(file, "--targets", "exr") == 0
+    assert file.read_bytes() == before
+
+
+def test_faults_are_one_line(file, capfd, tmp_path):
+    assert "frame 7 is outside the bake, 1 to 6" in refused(capfd, file, "--frames", "5-7")
+    (tmp_path / "broken.blend").write_bytes(b"not a blend")
+    assert "cannot open" in refused(capfd, tmp_path / "broken.blend")
+    obj = bpy.data.objects.get("Ball")
+    bpy.ops.wm.open_mainfile(filepath=str(file))
+    obj = bpy.data.objects["Ball"]
+    obj.stormfield.bake.uv_layer = "Nope"
+    bpy.ops.wm.save_mainfile()
+    line = refused(capfd, file, "--targets", "exr")
+    assert "'Nope'" in line and "'Map'" in line
+    obj = bpy.data.objects["Ball"]
+    while obj.data.uv_layers:
+        obj.data.uv_layers.remove(obj.data.uv_layers[0])
+    bpy.ops.wm.save_mainfile()
+    assert "needs a UV layer" in refused(capfd, file, "--targets", "exr").replace("need a", "needs a")
+    bpy.data.objects["Ball"].stormfield.enabled = False
+    bpy.ops.wm.save_mainfile()
+    assert "no object has a Stormfield field" in refused(capfd, file)
