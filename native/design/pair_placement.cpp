@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -97,6 +98,66 @@ Complex flatPoint(const TriangleMesh& mesh, const LogMap& map, const SurfacePoin
   return z;
 }
 
+/// Storms and saddle in flat coordinates, and how good that is.
+struct Candidate {
+  Complex a, b, saddle;
+  double score = -std::numeric_limits<double>::infinity();
+};
+
+/// The pair's paths and its neighbourhood.
+class Search {
+ public:
+  Search(Patch patch, Complex pathA, Complex pathB, Complex along, double edge)
+      : patch_(std::move(patch)), pathA_(pathA), pathB_(pathB), along_(along), edge_(edge) {}
+
+  /// A grid of moves, then small steps to the best places.
+  Candidate best() const {
+    Candidate best;
+    for (const Complex moveA : moves(edge_, along_))
+      for (const Complex moveB : moves(edge_, -along_))
+        for (const Complex off : {Complex(0.0), Complex(-0.2), Complex(0.2), Complex(0.0, 0.2), Complex(0.0, -0.2)}) {
+          const Complex a = pathA_ + moveA, b = pathB_ + moveB;
+          improve(best, a, b, 0.5 * (a + b) + 0.5 * off * (a - b));
+        }
+    constexpr int kDirections = 8;
+    for (const double step : {0.2, 0.1, 0.05})
+      for (int i = 0; i < kDirections; ++i) {
+        const Complex by = std::polar(step * edge_, 2.0 * std::numbers::pi * i / kDirections);
+        const Candidate from = best;
+        improve(best, from.a + by, from.b, from.saddle);
+        improve(best, from.a, from.b + by, from.saddle);
+        improve(best, from.a, from.b, from.saddle + by);
+      }
+    return best;
+  }
+
+  std::optional<PairPlacement> place(const Candidate& candidate) const {
+    const auto a = locate(patch_, candidate.a), b = locate(patch_, candidate.b), s = locate(patch_, candidate.saddle);
+    if (!a || !b || !s || a->face == b->face || a->face == s->face || b->face == s->face) return std::nullopt;
+    return PairPlacement{*a, *b, *s};
+  }
+
+ private:
+  /// Replaces best where the three places are allowed, safe and better.
+  void improve(Candidate& best, Complex a, Complex b, Complex saddle) const {
+    const double moveA = std::abs(a - pathA_), moveB = std::abs(b - pathB_);
+    const double moveS = std::abs(saddle - 0.5 * (a + b));
+    if (std::max(moveA, moveB) > kMostMove * edge_ * (1.0 + 1e-9)) return;
+    const Complex arm = 0.5 * (a - b);
+    if (std::abs(arm) < kLeastArm * edge_ || std::real(arm / along_) < 0.5 * std::abs(arm)) return;
+    const double price = kPriceOfMoves * (moveA + moveB + moveS) / edge_;
+    if (kSafeTurn - price <= best.score) return;
+    const double safe = safety(patch_, a, b, saddle, std::max(0.0, best.score + price));
+    const double score = std::min(kSafeTurn, safe) - price;
+    const Candidate candidate{a, b, saddle, score};
+    if (safe > 0.0 && score > best.score && place(candidate)) best = candidate;
+  }
+
+  Patch patch_;
+  Complex pathA_, pathB_, along_;
+  double edge_;
+};
+
 }  // namespace
 
 std::optional<PairPlacement> placePair(const VertexCharts& charts, const ClosestPointQuery& query,
@@ -106,36 +167,12 @@ std::optional<PairPlacement> placePair(const VertexCharts& charts, const Closest
   const Vec3 pa = position(mesh, a), pb = position(mesh, b);
   const SurfacePoint middle = query.closest(Vec3(0.5 * (pa + pb))).point;
   const LogMap map = logMap(charts, middle, (pa - pb).norm() + 3.5 * edge, scratch);
-  const Patch patch = patchAround(mesh, map);
   const Complex za = flatPoint(mesh, map, a), zb = flatPoint(mesh, map, b);
-  const double apart = std::abs(za - zb);
-  Complex along = apart > edge ? za - zb : charts.spaceToFace(middle.face, axis);
+  const Complex along = std::abs(za - zb) > edge ? za - zb : charts.spaceToFace(middle.face, axis);
   if (std::abs(along) == 0.0) return std::nullopt;
-  along /= std::abs(along);
-
-  const std::vector<Complex> movesA = moves(edge, along), movesB = moves(edge, -along);
-  double best = -3.0 * kPriceOfMoves;
-  std::optional<PairPlacement> placement;
-  for (const Complex moveA : movesA) {
-    for (const Complex moveB : movesB) {
-      const Complex ca = za + moveA, cb = zb + moveB, arm = 0.5 * (ca - cb);
-      if (std::abs(arm) < kLeastArm * edge || std::real(arm / along) < 0.5 * std::abs(arm)) continue;
-      for (const Complex off : {Complex(0.0), Complex(-0.2), Complex(0.2), Complex(0.0, 0.2), Complex(0.0, -0.2)}) {
-        const Complex moveS = off * arm, cs = 0.5 * (ca + cb) + moveS;
-        const double price = kPriceOfMoves * (std::abs(moveA) + std::abs(moveB) + std::abs(moveS)) / edge;
-        if (kSafeTurn - price <= best) continue;
-        const double safe = safety(patch, ca, cb, cs, std::max(0.0, best + price));
-        const double score = std::min(kSafeTurn, safe) - price;
-        if (safe <= 0.0 || score <= best) continue;
-        const auto inA = locate(patch, ca), inB = locate(patch, cb), inS = locate(patch, cs);
-        if (!inA || !inB || !inS || inA->face == inB->face || inA->face == inS->face || inB->face == inS->face)
-          continue;
-        best = score;
-        placement = PairPlacement{*inA, *inB, *inS};
-      }
-    }
-  }
-  return placement;
+  const Search search(patchAround(mesh, map), za, zb, along / std::abs(along), edge);
+  const Candidate best = search.best();
+  return std::isfinite(best.score) ? search.place(best) : std::nullopt;
 }
 
 }  // namespace stormfield

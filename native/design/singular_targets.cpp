@@ -207,9 +207,12 @@ double SingularTargets::addPair(Present a, Present b, LogMapScratch& scratch, st
   const SurfacePoint saddle = placed ? placed->saddle : between(mesh, query_, mapA, mapB, pair.distance, part);
   const LogMap mapSaddle = logMap(charts_, saddle, reach, scratch);
   const double share = joint * std::min(a.share, b.share);
+  // Three zeros a few edges apart stand less smoothing than one.
+  constexpr double kFirmWhenClose = 30.0;
+  const double firm = 1.0 + kFirmWhenClose * pair.closeness();
   for (const PairTarget& t : pairTargets(mesh, pair, mapA, mapB, mapSaddle)) {
     const bool nearerA = mapA.find(t.vertex)->distance <= mapB.find(t.vertex)->distance;
-    targets.push_back({t.vertex, t.value, density(t.scale) * t.cover * share, t.cover * share, t.core,
+    targets.push_back({t.vertex, t.value, firm * density(t.scale) * t.cover * share, t.cover * share, t.core,
                        (nearerA ? a : b).storm->element});
   }
   return 1.0 - joint;
