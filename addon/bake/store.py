@@ -77,22 +77,20 @@ class CacheStore:
 
     def finish(self, shared: Mapping[str, WriteFile]) -> bool:
         """Writes the shared files and the manifest; False (and nothing written) while samples are missing."""
-        if (self.folder / MANIFEST).exists() and self._whole():
+        if self._finished():
             self._clean()
             return True
         with _disk_faults(self.folder):
             self._reopen()
             if self.owed():
-                return False
+                return self._finished()
             files = self._checksums()
-            files = {name: files[name] for name in self.names}
-            for name, write_file in shared.items():
-                files[name] = self._atomic(name, write_file)
-            for parent in {(self.folder / name).parent for name in files}:
-                _sync(parent)
-            self._atomic(MANIFEST, lambda path: path.write_text(text(self.plan, files), encoding="utf-8"))
-            _sync(self.folder)
-            self._clean()
+            try:
+                self._join({name: files[name] for name in self.names}, shared)
+            except (FileNotFoundError, KeyError):
+                # Two machines may finish in the same moment; the one that is first takes the other's files away.
+                if not self._finished():
+                    raise
         return True
 
     # Steps ------------------------------------------------------------------------------------------------------------
@@ -157,7 +155,19 @@ class CacheStore:
                 sums[name] = (self.folder / (name + CHECKSUM)).read_text().split()[0]
         return sums
 
-    def _whole(self) -> bool:
+    def _join(self, files: dict[str, str], shared: Mapping[str, WriteFile]) -> None:
+        for name, write_file in shared.items():
+            files[name] = self._atomic(name, write_file)
+        for parent in {(self.folder / name).parent for name in files}:
+            _sync(parent)
+        self._atomic(MANIFEST, lambda path: path.write_text(text(self.plan, files), encoding="utf-8"))
+        _sync(self.folder)
+        self._clean()
+
+    def _finished(self) -> bool:
+        """Whether there is a manifest, and every file it names is whole."""
+        if not (self.folder / MANIFEST).exists():
+            return False
         files = read_manifest(self.folder / MANIFEST).files
         return all(self._intact(name, digest) for name, digest in files.items())
 

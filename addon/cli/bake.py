@@ -18,10 +18,11 @@ from .progress import progress
 @click.option("--targets", default="usd", show_default=True, help="Comma separated: usd, exr, vdb.")
 @click.option("--frames", help="A-B: the part of the scene's frames to write here, for one machine of many.")
 @click.option("--resume", is_flag=True, help="Keep finished samples and frames.")
+@click.option("--solve-only", is_flag=True, help="Write the λ caches and nothing else.")
 @click.option("--save", is_flag=True, help="Save the scene with the caches attached.")
-def bake(scene: str, targets: str, frames: str | None, resume: bool, save: bool) -> None:
+def bake(scene: str, targets: str, frames: str | None, resume: bool, solve_only: bool, save: bool) -> None:
     """Solve and bake every field of SCENE.blend."""
-    wanted = _targets(targets)
+    wanted = frozenset() if solve_only else _targets(targets)
     only = _frames(frames)
     path = Path(scene)
     if not path.is_file():
@@ -51,6 +52,8 @@ def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | No
     with progress(f"Solving '{obj.name}'") as show:
         folder = job.run(job.solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj)), show)
     attach.attach_lambda(obj, folder)
+    if not targets:
+        return
     with progress(f"Baking '{obj.name}'") as show:
         result = job.run(job.bake_steps(replace(task, cache=folder)), show)
     if result.whole and "usd" in result.folders:

@@ -1,5 +1,7 @@
 """stormfield bake SCENE.blend: the scene's bakes without its window."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import bpy
@@ -125,3 +127,23 @@ def test_faults_are_one_line(file, capfd, tmp_path):
     bpy.data.objects["Ball"].stormfield.enabled = False
     bpy.ops.wm.save_mainfile()
     assert "no object has a Stormfield field" in refused(capfd, file)
+
+
+def test_a_farm_runs_the_job_template(file, tmp_path):
+    openjd = Path(sys.executable).with_name("openjd")
+    if not openjd.exists():
+        pytest.skip("openjd-cli is not installed")
+    command = tmp_path / "stormfield.sh"
+    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m stormfield "$@"\n')
+    command.chmod(0o755)
+    template = Path(__file__).parents[2] / "pipelines" / "stormfield.openjd.yaml"
+    parameters = {"SceneFile": file, "Frames": "1-6", "ChunkSize": 4, "Targets": "exr", "Stormfield": command}
+    pairs = [word for name, value in parameters.items() for word in ("-p", f"{name}={value}")]
+    run = [openjd, "run", template, "--step", "Join", "--run-dependencies", *pairs]
+    done = subprocess.run(list(map(str, run)), capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-3000:]
+    assert (folder_of(file, "lambda") / "manifest.json").exists()
+    farmed = contents(folder_of(file, "exr"))
+    assert "manifest.json" in farmed
+    assert bake(file, "--targets", "exr") == 0
+    assert contents(folder_of(file, "exr")) == farmed
