@@ -44,7 +44,7 @@ def detach(obj: bpy.types.Object, names: tuple[str, ...] = (LAMBDA, FRAMES)) -> 
             cache_file = modifier.cache_file
             obj.modifiers.remove(modifier)
             if cache_file is not None and cache_file.users == 0:
-                bpy.data.cache_files.remove(cache_file) if hasattr(bpy.data.cache_files, "remove") else None
+                bpy.data.batch_remove([cache_file])
 
 
 def attached_folder(obj: bpy.types.Object, name: str) -> Path | None:
@@ -59,20 +59,25 @@ def _attach(obj: bpy.types.Object, name: str, folder: Path, position: int) -> bp
     modifier = obj.modifiers.get(name)
     if modifier is None:
         modifier = obj.modifiers.new(name, "MESH_SEQUENCE_CACHE")
-    stage = str(folder / STAGE)
-    # A new file each time: undo then goes back to the earlier cache, which is still on the disk.
-    modifier.cache_file = _open(stage)
+    path = _blend_path(folder / STAGE)
+    if modifier.cache_file is None:
+        modifier.cache_file = _open(folder / STAGE)
+    modifier.cache_file.filepath = path
     modifier.object_path = PRIM
     modifier.read_data = {"ATTRIBUTES"}
     obj.modifiers.move(obj.modifiers.find(name), position)
     return modifier.cache_file
 
 
-def _open(stage: str) -> bpy.types.CacheFile:
+def _open(stage: Path) -> bpy.types.CacheFile:
     before = set(bpy.data.cache_files)
-    bpy.ops.cachefile.open(filepath=stage, relative_path=False)
+    bpy.ops.cachefile.open(filepath=str(stage), relative_path=False)
     cache_file = next(iter(set(bpy.data.cache_files) - before))
-    if bpy.data.filepath:
-        with_blend = bpy.path.relpath(stage) if Path(stage).drive == Path(bpy.data.filepath).drive else stage
-        cache_file.filepath = with_blend
+    cache_file.user_clear()  # the operator counts a button as user that is not there without a window
     return cache_file
+
+
+def _blend_path(stage: Path) -> str:
+    """Relative to the .blend file where there is one on the same drive."""
+    blend = bpy.data.filepath
+    return bpy.path.relpath(str(stage)) if blend and Path(blend).drive == stage.drive else str(stage)

@@ -5,7 +5,11 @@ from pathlib import Path
 
 import bpy
 
+from ..bake.store import delete_cache
+
 NAME = "stormfield_cache"
+#: Caches of each sort that are kept for undo besides those in use; older ones are deleted.
+KEPT = 4
 
 
 def cache_root(obj: bpy.types.Object, blend: str | None = None) -> Path:
@@ -29,3 +33,14 @@ def file_name(name: str) -> str:
     """An object's name as a folder's name on every system: any letters, without what paths forbid."""
     cleaned = re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", name).strip(" .")
     return cleaned or "object"
+
+
+def delete_old_caches(root: Path, sort: str) -> list[Path]:
+    """Delete all but the newest finished caches of a sort ("lambda", "frames") that nothing in the file shows."""
+    shown = {Path(bpy.path.abspath(cache_file.filepath)).parent for cache_file in bpy.data.cache_files}
+    finished = [manifest for manifest in root.glob(f"{sort}-*/manifest.json") if manifest.parent not in shown]
+    finished.sort(key=lambda manifest: manifest.stat().st_mtime, reverse=True)
+    old = [manifest.parent for manifest in finished[KEPT:]]
+    for folder in old:
+        delete_cache(folder)
+    return old

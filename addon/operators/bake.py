@@ -3,7 +3,7 @@
 import bpy
 
 from ..bake.job import bake_steps
-from ..convert import attach
+from ..convert import attach, folders
 from ..convert.bake_task import read_bake_task
 from . import requirements
 from .job_operator import JobOperator
@@ -43,6 +43,7 @@ class STORMFIELD_OT_bake(JobOperator, bpy.types.Operator):
     def finish(self, context, obj, result):
         if "usd" in result.folders:
             attach.attach_frames(obj, result.folders["usd"])
+            folders.delete_old_caches(result.folders["usd"].parent, "frames")
         for remark in result.remarks:
             self.report({"WARNING"}, remark)
         written = ", ".join(str(folder) for folder in result.folders.values())

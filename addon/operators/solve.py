@@ -38,6 +38,7 @@ class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
 
     def finish(self, context, obj, folder):
         attach.attach_lambda(obj, folder)
+        folders.delete_old_caches(folder.parent, "lambda")
         self.report({"INFO"}, f"'{obj.name}' is solved; move λ or scrub the timeline to see it")
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import bpy
 import numpy as np
 
+from .. import native
 from ..convert.mesh_arrays import loop_triangles
 from . import field_drawing
 from .field_drawing import Surface
@@ -29,6 +30,7 @@ class Drawing:
 
 @dataclass
 class _Entry:
+    shape: tuple = (-1, None, None)  #: what `surface` was made from: polygons, positions, corners
     surface: Surface = EMPTY
     mesh: object = None  #: native TriangleMesh, or None where the evaluated mesh is no surface
     note: str = ""
@@ -84,16 +86,16 @@ def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:
     """Keep the surface while the evaluated mesh has the same shape: only its attributes follow λ."""
     vertices = np.empty(len(mesh.vertices) * 3, np.float32)
     mesh.vertices.foreach_get("co", vertices)
-    triangles, _loops = loop_triangles(mesh)
-    surface = Surface(vertices.reshape(-1, 3).astype(np.float64), triangles)
-    old = entry.surface
-    if np.array_equal(old.vertices, surface.vertices) and np.array_equal(old.triangles, triangles):
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.attributes[".corner_vert"].data.foreach_get("value", corners)
+    shape = (len(mesh.polygons), vertices, corners)
+    if all(np.array_equal(old, new) for old, new in zip(entry.shape, shape, strict=True)):
         return
-    entry.surface, entry.seeds, entry.mesh, entry.note = surface, {}, None, ""
+    triangles, _loops = loop_triangles(mesh)
+    entry.shape, entry.seeds, entry.mesh, entry.note = shape, {}, None, ""
+    entry.surface = Surface(vertices.reshape(-1, 3).astype(np.float64), triangles)
     try:
-        from .. import native
-
-        entry.mesh = native.load().TriangleMesh(surface.vertices, surface.triangles)
+        entry.mesh = native.TriangleMesh(entry.surface.vertices, entry.surface.triangles)
     except (ValueError, RuntimeError, ImportError) as fault:
         entry.note = f"Fixed points cannot be shown: {fault}"
 
@@ -114,24 +116,17 @@ def _draw(entry: _Entry, values: np.ndarray, settings) -> Drawing:
             colours = np.repeat(_colours(speed, settings.opacity), 6, axis=0).reshape(-1, 2, 4)
     points = []
     if settings.show_fixed_points and entry.mesh is not None:
-        from .. import native
-
-        core = native.load()
-        flow = core.VectorField.from_space(entry.mesh, values)
-        for point in core.fixed_points(flow, relative_tolerance=CENTER_TOLERANCE):
+        flow = native.VectorField.from_space(entry.mesh, values)
+        for point in native.fixed_points(flow, relative_tolerance=CENTER_TOLERANCE):
             points.append((point.kind, np.asarray(point.position)))
     return Drawing(lines, colours, points, entry.note)
 
 
 def _stroke_lines(entry: _Entry, values, seeds, settings):
-    paths, speed = field_drawing.strokes(entry.surface, entry.mesh.closest_points, values, seeds, settings.length)
-    lines = np.stack([paths[:, :-1], paths[:, 1:]], axis=2)
-    count, steps = lines.shape[:2]
-    colours = np.repeat(_colours(speed, settings.opacity), 2 * steps, axis=0).reshape(count, steps, 2, 4).copy()
-    front = (np.arange(steps + 1) / steps) ** 1.5  # transparent behind, full at the front
-    colours[..., 0, 3] *= front[:-1]
-    colours[..., 1, 3] *= front[1:]
-    return lines.reshape(-1, 2, 3), colours.reshape(-1, 2, 4)
+    drawn = field_drawing.strokes(entry.surface, entry.mesh, values, seeds, settings.length)
+    colours = np.repeat(_colours(drawn.speed, settings.opacity), 2, axis=0).reshape(-1, 2, 4)
+    colours[..., 3] *= drawn.along**1.5  # transparent behind, full at the front
+    return drawn.lines, colours
 
 
 def _colours(speed: np.ndarray, opacity: float) -> np.ndarray:

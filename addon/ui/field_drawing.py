@@ -1,17 +1,18 @@
 """Field → points and lines to draw, from the evaluated mesh and its attributes alone. No GPU here, nothing is written.
 
 Places where strokes begin are spread evenly and stay where they are while λ changes, so that scrubbing shows motion of
-the field and not of the sampling. A stroke is a short streamline: steps in the tangent plane, each brought back to the
-surface by its closest point. All lines are lifted off the surface by LIFT object sizes.
+the field and not of the sampling. All lines are lifted off the surface by LIFT object sizes.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from .. import native
+
 #: Distance between lines and surface, as a part of the object's diagonal.
 LIFT = 0.003
-STEPS = 10
 
 
 @dataclass(frozen=True)
@@ -19,10 +20,11 @@ class Surface:
     vertices: np.ndarray  #: (n, 3) float64
     triangles: np.ndarray  #: (m, 3) int32
 
-    @property
+    @cached_property
     def size(self) -> float:
         return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) or 1.0
 
+    @cached_property
     def face_normals(self) -> np.ndarray:
         a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
         normals = np.cross(b - a, c - a)
@@ -57,33 +59,40 @@ def spread_seeds(surface: Surface, density: int) -> Seeds:
     return Seeds(faces[first], barycentric[first], spacing)
 
 
-def strokes(
-    surface: Surface, closest, values: np.ndarray, seeds: Seeds, length: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Short streamlines (k, STEPS + 1, 3) through the seeds, and the speed of each over the usual fast speed (k,).
+@dataclass(frozen=True)
+class Strokes:
+    lines: np.ndarray  #: (l, 2, 3) segments of all strokes, lifted off the surface
+    along: np.ndarray  #: (l, 2) 0 at a stroke's tail to 1 at its front
+    speed: np.ndarray  #: (l,) speed at the stroke's seed, 1 for what counts as fast
 
-    `closest(points) -> faces, barycentric, distances` brings points to the surface.
+
+def strokes(surface: Surface, mesh, values: np.ndarray, seeds: Seeds, length: float) -> Strokes:
+    """Short streamlines through the seeds, traced by the core on its TriangleMesh `mesh`; slow ones are shorter.
+
+    The field's speed is made even first, so that one duration gives every stroke its length.
     """
-    normals = surface.face_normals()
-    reference = _fast_speed(values)
-    faces, barycentric = seeds.faces, seeds.barycentric
-    relative = np.minimum(1.0, np.linalg.norm(_evaluate(surface, values, faces, barycentric), axis=1) / reference)
-    step = seeds.spacing * length * (0.25 + 0.75 * relative[:, None]) / STEPS
-    points = [_positions(surface, faces, barycentric)]
-    lifted = [points[0] + LIFT * surface.size * normals[faces]]
-    for _ in range(STEPS):
-        flow = _evaluate(surface, values, faces, barycentric)
-        speed = np.linalg.norm(flow, axis=1, keepdims=True)
-        moved = points[-1] + step * flow / np.maximum(speed, 1e-30) * np.minimum(1.0, speed / (0.02 * reference))
-        faces, barycentric, _ = closest(moved)
-        points.append(_positions(surface, faces, barycentric))
-        lifted.append(points[-1] + LIFT * surface.size * normals[faces])
-    return np.stack(lifted, axis=1), relative
+    speed = np.linalg.norm(values, axis=1, keepdims=True)
+    fast = _fast_speed(values)
+    relative = np.minimum(1.0, speed / fast)
+    paced = values / np.maximum(speed, 0.02 * fast) * (0.25 + 0.75 * relative)
+    field = native.VectorField.from_space(mesh, paced)
+    duration = seeds.spacing * length
+    traces = native.trace_streamlines(
+        field, seeds.faces, seeds.barycentric, maximal_time=duration, tolerance=0.1, maximal_steps=200
+    )
+    offsets = np.asarray(traces.offsets)
+    points = traces.points + LIFT * surface.size * surface.face_normals[traces.faces]
+    owner = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    first = np.flatnonzero(owner[:-1] == owner[1:])
+    pairs = np.stack([first, first + 1], axis=1)
+    at_seed = _evaluate(surface, values, seeds.faces, seeds.barycentric)
+    seed_speed = np.minimum(1.0, np.linalg.norm(at_seed, axis=1) / fast)
+    return Strokes(points[pairs], np.asarray(traces.times)[pairs] / duration, seed_speed[owner[first]])
 
 
 def arrows(surface: Surface, values: np.ndarray, seeds: Seeds, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Arrows as lines (k, 3 segments, 2 ends, 3): shaft and two barbs; and their relative speed (k,)."""
-    normals = surface.face_normals()[seeds.faces]
+    normals = surface.face_normals[seeds.faces]
     flow = _evaluate(surface, values, seeds.faces, seeds.barycentric)
     speed = np.linalg.norm(flow, axis=1, keepdims=True)
     relative = np.minimum(1.0, speed / _fast_speed(values))

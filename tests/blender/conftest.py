@@ -87,3 +87,12 @@ def attribute():
         return values.reshape(-1, 3) if width == 3 else values
 
     return read
+
+
+@pytest.fixture(autouse=True)
+def own_temporary_folder(empty_file, tmp_path, monkeypatch):
+    """Caches of unsaved files go to a folder of the test."""
+    from stormfield.convert import folders, relocate
+
+    for module in (folders, relocate):
+        monkeypatch.setattr(module, "temporary_root", lambda: tmp_path / "temporary" / folders.NAME)

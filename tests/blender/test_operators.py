@@ -136,6 +136,7 @@ def test_remove_field_leaves_no_trace(storms, native):
     bpy.ops.stormfield.solve()
     bpy.ops.stormfield.remove_field()
     assert not storms.stormfield.enabled and not storms.stormfield.elements
+    assert not bpy.data.cache_files
     assert not storms.modifiers and compat.find_fcurve(storms, "stormfield.lam") is None
     assert "East" in bpy.data.objects
 
@@ -224,7 +225,7 @@ def test_a_fault_of_the_design_is_told_and_changes_nothing(storms, native):
 def test_a_temporary_cache_moves_beside_the_file(storms, native, attribute, tmp_path):
     bpy.ops.stormfield.solve()
     temporary = Path(storms.modifiers[0].cache_file.filepath).parent
-    assert Path(bpy.app.tempdir) in temporary.parents
+    assert tmp_path / "temporary" in temporary.parents
     before = attribute(storms, "sf_advection")
     blend = tmp_path / "Zwei Stürme.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
@@ -333,3 +334,16 @@ def test_presets_of_the_addon_set_the_settings(ball):
     assert ball.stormfield.solve.lambda_weight == 40.0 and ball.stormfield.bake.period == 96
     for value in VALUES:
         ball.path_resolve(f"stormfield.{value}")
+
+
+def test_old_caches_are_deleted_but_never_the_one_that_is_shown(storms, native):
+    from stormfield.convert import attach, folders
+
+    shown = []
+    for number in range(folders.KEPT + 3):
+        storms.stormfield.elements[0].radius = 0.3 + 0.02 * number
+        bpy.ops.stormfield.solve()
+        shown.append(attach.attached_folder(storms, attach.LAMBDA))
+    assert shown[-1].is_dir()
+    kept = {path for path in shown[-1].parent.iterdir() if path.name.startswith("lambda-")}
+    assert kept == set(shown[-1 - folders.KEPT :])
