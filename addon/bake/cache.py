@@ -15,7 +15,7 @@ promises, in store.py.
 import functools
 import itertools
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -66,9 +66,9 @@ class _Writer:
         """The file for Blender's Mesh Sequence Cache, complete after finish()."""
         return self.folder / FIELD
 
-    def missing(self) -> list[int]:
-        """Samples still to write, in order."""
-        return self._store.missing()
+    def missing(self, among: Iterable[int] | None = None) -> list[int]:
+        """Samples (of those `among`) still to write, in order."""
+        return self._store.missing(among)
 
     def write_sample(self, index: int, attributes: Attributes) -> None:
         """Arrays (n, 3) or (n,) per attribute, one row per vertex, finite; stored as float32."""
@@ -96,8 +96,8 @@ class _Writer:
         count = len(self._mesh.vertices)
         if values.shape not in ((count,), (count, 3)):
             raise InputError(f"{name} of sample {index} has shape {values.shape}; the mesh has {count} vertices")
-        bad = np.flatnonzero(~np.isfinite(values.reshape(count, -1)).all(axis=1))
-        if bad.size:
+        if not np.isfinite(values).all():
+            bad = np.flatnonzero(~np.isfinite(values.reshape(count, -1)).all(axis=1))
             raise InputError(f"{name} of sample {index} is not finite at vertex {bad[0]}")
 
 

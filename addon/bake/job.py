@@ -205,7 +205,7 @@ def _bake_frames(task: BakeTask, cache: FieldCache, indices, baked_from) -> Step
     writer = FrameCacheWriter(
         folder, task.mesh, task.frames, settings, polygons=task.polygons, resume=task.resume, replace=True
     )
-    missing = _mine(writer.missing(), indices)
+    missing = writer.missing(indices)
     if missing:
         yield Step(0.0, "Reading the field")
         mesh = fields.native_mesh(task.mesh)
@@ -225,7 +225,7 @@ def _bake_exr(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[T
     attribute = fields.ATTRIBUTE.get(task.exr.field)
     if attribute is None:
         raise InputError(f"flow maps of field '{task.exr.field}'; choose one of {', '.join(fields.ATTRIBUTE)}")
-    missing = _mine(writer.store.missing(), indices)
+    missing = writer.store.missing(indices)
     notes: list[str] = []
     if missing:
         yield Step(0.0, "Reading the UV layer")
@@ -241,7 +241,7 @@ def _bake_exr(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[T
 def _bake_vdb(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[TargetResult]:
     folder = task.root / "vdb"
     writer = BandWriter(folder, task.mesh, task.frames, task.vdb, baked_from, resume=task.resume)
-    missing = _mine(writer.store.missing(), indices)
+    missing = writer.store.missing(indices)
     notes: list[str] = []
     if missing:
         yield Step(0.0, "Finding the voxels around the surface")
@@ -274,10 +274,6 @@ def _indices(task: BakeTask) -> set[int]:
             "set the scene's frame range to the whole animation"
         )
     return {index for index, frame in enumerate(task.frames) if frame in task.only}
-
-
-def _mine(missing: list[int], indices: set[int]) -> list[int]:
-    return [index for index in missing if index in indices]
 
 
 def _key(word: str, plan: Plan) -> str:

@@ -17,7 +17,7 @@ import hashlib
 import os
 import socket
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from ..model.errors import InputError
@@ -55,18 +55,15 @@ class CacheStore:
                 delete_cache(self.folder, keep_folders=True)
             _remove_temporary(self.folder, older_than=ABANDONED)
             if not (self.folder / MANIFEST).exists():
-                self._atomic(PLAN, lambda path: path.write_text(text(plan), encoding="utf-8"))
+                self._atomic(PLAN, lambda path: _write_text(path, text(plan)))
 
-    def missing(self) -> list[int]:
-        """Samples this writer has to write: absent, damaged, or (without resume) not yet rewritten."""
+    def missing(self, among: Iterable[int] | None = None) -> list[int]:
+        """Samples (of those `among`) this writer has to write: absent, damaged, or without resume not yet rewritten."""
+        asked = range(len(self.names)) if among is None else sorted(among)
         if not self._resume:
-            return [j for j in range(len(self.names)) if j not in self._written]
-        return self.owed()
-
-    def owed(self) -> list[int]:
-        """Samples that no writer has finished yet."""
+            return [j for j in asked if j not in self._written]
         sums = self._checksums()
-        return [j for j, name in enumerate(self.names) if not self._intact(name, sums.get(name))]
+        return [j for j in asked if not self._intact(self.names[j], sums.get(self.names[j]))]
 
     def write(self, index: int, write_file: WriteFile) -> None:
         """write_file(path) must leave a complete file at path; it gets its name when it is safely on the disk."""
@@ -82,13 +79,16 @@ class CacheStore:
             return True
         with _disk_faults(self.folder):
             self._reopen()
-            if self.owed():
-                return self._finished()
+            # Looking is cheaper than reading, and many machines ask this before the last one may join.
+            if not all((self.folder / name).exists() for name in self.names):
+                return False
             files = self._checksums()
+            if not all(self._intact(name, files.get(name)) for name in self.names):
+                return self._finished()
             try:
                 self._join({name: files[name] for name in self.names}, shared)
-            except (FileNotFoundError, KeyError):
-                # Two machines may finish in the same moment; the one that is first takes the other's files away.
+            except FileNotFoundError:
+                # Two machines may finish in the same moment; the first one takes the other's temporary files away.
                 if not self._finished():
                     raise
         return True
@@ -132,7 +132,8 @@ class CacheStore:
         return digest
 
     def _write_checksum(self, name: str, digest: str) -> None:
-        self._atomic(name + CHECKSUM, lambda path: path.write_text(f"{digest}  {Path(name).name}\n"), durable=False)
+        line = f"{digest}  {Path(name).name}\n"
+        self._atomic(name + CHECKSUM, lambda path: _write_text(path, line), durable=False)
 
     def _reopen(self) -> None:
         """Turns a finished cache of this plan back into a bake in progress, so that no manifest covers a new sample."""
@@ -141,7 +142,7 @@ class CacheStore:
         for name, digest in self._checksums().items():
             if name in self.names:
                 self._write_checksum(name, digest)
-        self._atomic(PLAN, lambda path: path.write_text(text(self.plan), encoding="utf-8"))
+        self._atomic(PLAN, lambda path: _write_text(path, text(self.plan)))
         (self.folder / MANIFEST).unlink()
         _sync(self.folder)
 
@@ -160,7 +161,7 @@ class CacheStore:
             files[name] = self._atomic(name, write_file)
         for parent in {(self.folder / name).parent for name in files}:
             _sync(parent)
-        self._atomic(MANIFEST, lambda path: path.write_text(text(self.plan, files), encoding="utf-8"))
+        self._atomic(MANIFEST, lambda path: _write_text(path, text(self.plan, files)))
         _sync(self.folder)
         self._clean()
 
@@ -224,6 +225,11 @@ def _existing_plan(folder: Path) -> Plan | None:
         if (folder / name).exists():
             return read(folder / name)
     return None
+
+
+def _write_text(path: Path, content: str) -> None:
+    """The same bytes on every system."""
+    path.write_text(content, encoding="utf-8", newline="\n")
 
 
 def sha256(path: Path) -> str:
