@@ -13,7 +13,7 @@ again at once, another design gets another folder, and undo finds the earlier on
 
 import hashlib
 import time
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
@@ -35,6 +35,8 @@ from .vdb import BandWriter, VdbSettings
 TARGETS = ("usd", "exr", "vdb")
 #: Where a solve is solved, and where writing begins, in parts of the whole.
 SOLVED, WRITING = 0.75, 0.85
+#: Files that are checked between two steps.
+LOOK = 8
 #: Seconds between two looks at a running solve, when nobody else paces it.
 POLL = 0.02
 
@@ -126,9 +128,8 @@ def solve_steps(
     target = folder or Path(root) / _key(
         "lambda", Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)
     )
-    yield Step(0.0, "Looking for finished samples")
     writer = FieldCacheWriter(target, mesh, lambdas, settings, polygons=_polygons(polygons), resume=resume)
-    missing = writer.missing()
+    missing = yield from _missing(writer, range(len(lambdas)))
     if missing:
         solving = solve.start_solve(mesh, design, warm_start)
         yield from _until_done(solving, 0.0, SOLVED, "Solving")
@@ -205,7 +206,7 @@ def _bake_frames(task: BakeTask, cache: FieldCache, indices, baked_from) -> Step
     writer = FrameCacheWriter(
         folder, task.mesh, task.frames, settings, polygons=task.polygons, resume=task.resume, replace=True
     )
-    missing = writer.missing(indices)
+    missing = yield from _missing(writer, indices)
     if missing:
         yield Step(0.0, "Reading the field")
         mesh = fields.native_mesh(task.mesh)
@@ -225,7 +226,7 @@ def _bake_exr(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[T
     attribute = fields.ATTRIBUTE.get(task.exr.field)
     if attribute is None:
         raise InputError(f"flow maps of field '{task.exr.field}'; choose one of {', '.join(fields.ATTRIBUTE)}")
-    missing = writer.store.missing(indices)
+    missing = yield from _missing(writer.store, indices)
     notes: list[str] = []
     if missing:
         yield Step(0.0, "Reading the UV layer")
@@ -241,7 +242,7 @@ def _bake_exr(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[T
 def _bake_vdb(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[TargetResult]:
     folder = task.root / "vdb"
     writer = BandWriter(folder, task.mesh, task.frames, task.vdb, baked_from, resume=task.resume)
-    missing = writer.store.missing(indices)
+    missing = yield from _missing(writer.store, indices)
     notes: list[str] = []
     if missing:
         yield Step(0.0, "Finding the voxels around the surface")
@@ -274,6 +275,16 @@ def _indices(task: BakeTask) -> set[int]:
             "set the scene's frame range to the whole animation"
         )
     return {index for index, frame in enumerate(task.frames) if frame in task.only}
+
+
+def _missing(writer, indices: Iterable[int]) -> Steps[list[int]]:
+    """What is still to write. Finished files are read and checked, in slices that leave the window alive."""
+    ordered = sorted(indices)
+    missing: list[int] = []
+    for start in range(0, len(ordered), LOOK):
+        yield Step(0.0, "Looking for what is finished")
+        missing += writer.missing(ordered[start : start + LOOK])
+    return missing
 
 
 def _key(word: str, plan: Plan) -> str:

@@ -45,6 +45,7 @@ class CacheStore:
         self.names = plan.names
         self._resume = resume
         self._written: set[int] = set()
+        self._verified: set[str] = set()  # whole when this writer last looked
         found = _existing_plan(self.folder)
         if found is not None and not found.same(plan) and not replace:
             self._check_replaceable(found, resume)
@@ -71,6 +72,7 @@ class CacheStore:
             self._reopen()
             self._atomic(self.names[index], write_file, checksum=True)
         self._written.add(index)
+        self._verified.add(self.names[index])
 
     def finish(self, shared: Mapping[str, WriteFile]) -> bool:
         """Writes the shared files and the manifest; False (and nothing written) while samples are missing."""
@@ -83,7 +85,7 @@ class CacheStore:
             if not all((self.folder / name).exists() for name in self.names):
                 return False
             files = self._checksums()
-            if not all(self._intact(name, files.get(name)) for name in self.names):
+            if not all(name in self._verified or self._intact(name, files.get(name)) for name in self.names):
                 return self._finished()
             try:
                 self._join({name: files[name] for name in self.names}, shared)
@@ -170,11 +172,14 @@ class CacheStore:
         if not (self.folder / MANIFEST).exists():
             return False
         files = read_manifest(self.folder / MANIFEST).files
-        return all(self._intact(name, digest) for name, digest in files.items())
+        return all(name in self._verified or self._intact(name, digest) for name, digest in files.items())
 
     def _intact(self, name: str, digest: str | None) -> bool:
         path = self.folder / name
-        return digest is not None and path.is_file() and sha256(path) == digest
+        if digest is None or not path.is_file() or sha256(path) != digest:
+            return False
+        self._verified.add(name)
+        return True
 
     def _clean(self) -> None:
         """Removes what only a bake in progress needs."""
