@@ -2,7 +2,9 @@
 
     STORMFIELD_SHOT=solved blender --factory-startup -P scripts/window_shot.py
 
-Pictures: empty (a mesh without field), solved (strokes, fixed points, legend), arrows, solving (a solve that runs).
+Pictures: empty (a mesh without field), solved (strokes, fixed points, legend), arrows, solving (a solve that runs),
+draw (a curve drawn on the
+surface), panels (the lower half of the sidebar).
 The compiled core is taken from out/build-*, the add-on from this tree.
 """
 
@@ -12,7 +14,7 @@ import traceback
 from pathlib import Path
 
 import bpy
-from mathutils import Vector
+from mathutils import Euler, Vector
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = os.environ.get("STORMFIELD_SHOT", "solved")
@@ -29,6 +31,12 @@ def load_addon():
     sys.path[:0] = [str(packages), *(str(path) for path in ROOT.glob("out/build-*/native/bindings"))]
     import stormfield
 
+    if PICTURE == "panels":
+        from stormfield.ui import panels
+
+        for panel in panels.CLASSES[1:]:
+            opened = panel.bl_label in {"Field", "Bake", "Shading", "Look"}
+            panel.bl_options = set() if opened else {"DEFAULT_CLOSED"}
     stormfield.register()
     if not bpy.app.build_options.usd:
         do_without_usd()
@@ -103,6 +111,19 @@ def picture():
         bpy.ops.mesh.primitive_monkey_add()
         set_up_view()
         return
+    if PICTURE == "draw":
+        bpy.ops.mesh.primitive_monkey_add()
+        bpy.ops.object.shade_smooth()
+        bpy.ops.object.modifier_add(type="SUBSURF")
+        bpy.ops.object.modifier_apply(modifier="Subdivision")
+        bpy.ops.stormfield.add_field()
+        set_up_view()
+        area = view_area()
+        area.spaces.active.region_3d.view_rotation = Euler((1.35, 0.0, 0.35)).to_quaternion()
+        area.spaces.active.region_3d.view_distance = 5.0
+        with bpy.context.temp_override(area=area, region=area.regions[-1]):
+            bpy.ops.stormfield.draw_element("EXEC_DEFAULT", type="streamline")
+        return
     from stormfield.presets import storm_merge
 
     planet = storm_merge.build(bpy.context, subdivisions=SUBDIVISIONS, frames=96)
@@ -119,6 +140,8 @@ def picture():
             planet.stormfield.solve.samples = 400
             bpy.ops.stormfield.solve("INVOKE_DEFAULT")
         else:
+            bake = planet.stormfield.bake
+            bake.use_exr = bake.use_vdb = PICTURE == "panels"
             print("solve", bpy.ops.stormfield.solve("EXEC_DEFAULT"))
     bpy.context.scene.frame_set(int(os.environ.get("STORMFIELD_FRAME", "30")))
 

@@ -7,7 +7,12 @@ pid=$!
 sleep "${3:-40}"
 xdotool mousemove "${STORMFIELD_TAB_X:-1299}" "${STORMFIELD_TAB_Y:-169}" click 1   # the Stormfield tab of the sidebar
 sleep 4
-xdotool mousemove 600 560
+if [ "$1" = draw ]; then   # one stroke over the forehead
+  xdotool mousemove 560 400 mousedown 1
+  for step in $(seq 1 24); do xdotool mousemove $((560 + step * 9)) $((400 - (step * (24 - step)) / 3)); sleep 0.05; done
+  xdotool mouseup 1
+fi
+xdotool mousemove 600 760
 sleep 3
 import -window root "$2"
 kill "$pid"

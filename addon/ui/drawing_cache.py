@@ -57,7 +57,7 @@ def mark_changed(depsgraph: bpy.types.Depsgraph) -> None:
 
 def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
     """The drawing of an evaluated object, or None where it carries no field yet."""
-    settings, mesh = evaluated.stormfield.look, evaluated.data
+    settings, mesh = evaluated.original.stormfield.look, evaluated.data
     attribute = mesh.attributes.get(settings.shown_field)
     if attribute is None or attribute.domain != "POINT" or attribute.data_type != "FLOAT_VECTOR":
         return None

@@ -25,9 +25,13 @@ class Surface:
         return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) or 1.0
 
     @cached_property
-    def face_normals(self) -> np.ndarray:
+    def normals(self) -> np.ndarray:
+        """(n, 3) at the vertices, weighted by area."""
         a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
-        normals = np.cross(b - a, c - a)
+        crossed = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+        owner = self.triangles.ravel()
+        count = len(self.vertices)
+        normals = np.stack([np.bincount(owner, crossed[:, axis], count) for axis in range(3)], axis=1)
         return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
 
 
@@ -81,7 +85,7 @@ def strokes(surface: Surface, mesh, values: np.ndarray, seeds: Seeds, length: fl
         field, seeds.faces, seeds.barycentric, maximal_time=duration, tolerance=0.1, maximal_steps=200
     )
     offsets = np.asarray(traces.offsets)
-    points = traces.points + LIFT * surface.size * surface.face_normals[traces.faces]
+    points = traces.points + LIFT * surface.size * _evaluate(surface, surface.normals, traces.faces, traces.barycentric)
     owner = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     first = np.flatnonzero(owner[:-1] == owner[1:])
     pairs = np.stack([first, first + 1], axis=1)
@@ -92,7 +96,7 @@ def strokes(surface: Surface, mesh, values: np.ndarray, seeds: Seeds, length: fl
 
 def arrows(surface: Surface, values: np.ndarray, seeds: Seeds, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Arrows as lines (k, 3 segments, 2 ends, 3): shaft and two barbs; and their relative speed (k,)."""
-    normals = surface.face_normals[seeds.faces]
+    normals = _evaluate(surface, surface.normals, seeds.faces, seeds.barycentric)
     flow = _evaluate(surface, values, seeds.faces, seeds.barycentric)
     speed = np.linalg.norm(flow, axis=1, keepdims=True)
     relative = np.minimum(1.0, speed / _fast_speed(values))

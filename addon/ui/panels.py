@@ -194,6 +194,7 @@ class STORMFIELD_PT_shading(_FieldPanel, bpy.types.Panel):
 class STORMFIELD_PT_look(_FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_look"
     bl_label = "Look"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw_header(self, context):
         self.layout.prop(active_field(context).stormfield.look, "show_overlay", text="")
