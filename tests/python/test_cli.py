@@ -10,6 +10,7 @@ import time
 import meshio
 import numpy as np
 import pytest
+from stormfield import native
 from stormfield.bake import job, store
 from stormfield.bake.cache import open_cache
 from stormfield.cli import main
@@ -195,6 +196,14 @@ def test_faults_of_the_disk(capsys, design, tmp_path, monkeypatch):
 
     monkeypatch.setattr(store, "_sync", full)
     assert "the disk is full" in refused(capsys, "solve", design(), "--out", tmp_path / "out")
+
+
+def test_a_missing_or_wrong_core_is_one_line(capsys, sphere, monkeypatch):
+    def missing():
+        raise native.NativeError("The compiled core is missing: install the wheel")
+
+    monkeypatch.setattr(native, "check", missing)
+    assert "install the wheel" in refused(capsys, "info", sphere)
 
 
 def test_our_own_mistakes_are_not_called_the_users(capsys, design, tmp_path, monkeypatch):
