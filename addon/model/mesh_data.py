@@ -46,7 +46,7 @@ class MeshData:
 
 def _array(values, dtype: type, name: str, tail: tuple[int, ...]) -> np.ndarray:
     try:
-        array = np.array(values, dtype=dtype, order="C")
+        array: np.ndarray = np.array(values, dtype=dtype, order="C")
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name} are not numbers: give an array of shape (n, {', '.join(map(str, tail))})") from error
     if array.size == 0:

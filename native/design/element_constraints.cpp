@@ -4,9 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <exception>
 #include <limits>
+#include <mutex>
 #include <optional>
 
 #include "design/other_targets.h"
@@ -123,15 +124,25 @@ ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& char
   const std::vector<double> lambdas = lambdaSamples(options.samples);
   const double step = options.samples > 1 ? lambdas[1] : 1.0;
   std::vector<std::vector<Target>> targets(lambdas.size());
-  std::atomic<std::size_t> done{0};
+  // Samples fail on their own, so that the fault that is reported does not depend on the threads.
+  std::vector<std::exception_ptr> faults(lambdas.size());
+  std::mutex reporting;
+  std::size_t done = 0;
   tbb::parallel_for(std::size_t{0}, lambdas.size(), [&](std::size_t j) {
-    if (progress) progress->check();
-    std::vector<Target> sample;
-    singular.addAt(lambdas[j], step, scratch.local(), sample);
-    for (const OtherTargets& other : others) other.addAt(lambdas[j], step, scratch.local(), sample);
-    targets[j] = Sample(elements, lambdas[j]).reduce(std::move(sample));
-    if (progress) progress->report(static_cast<double>(++done) / static_cast<double>(lambdas.size()));
+    try {
+      if (progress) progress->check();
+      std::vector<Target> sample;
+      singular.addAt(lambdas[j], step, scratch.local(), sample);
+      for (const OtherTargets& other : others) other.addAt(lambdas[j], step, scratch.local(), sample);
+      targets[j] = Sample(elements, lambdas[j]).reduce(std::move(sample));
+      const std::lock_guard lock(reporting);
+      if (progress) progress->report(static_cast<double>(++done) / static_cast<double>(lambdas.size()));
+    } catch (...) {
+      faults[j] = std::current_exception();
+    }
   });
+  for (const std::exception_ptr& fault : faults)
+    if (fault) std::rethrow_exception(fault);
 
   ConstraintSet set;
   for (const DesignElement& element : elements) set.elementNames.push_back(element.name);

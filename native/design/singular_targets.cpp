@@ -15,6 +15,8 @@ namespace {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 // Pairs closer than this many edge lengths are placed with regard to the mesh.
 constexpr double kCloseEdges = 4.0;
+// A way along the surface longer than this many times the chord leads around something: such storms stay separate.
+constexpr double kDetour = 2.0;
 // Storms closer than this part of the smaller radius share one place.
 constexpr double kSamePlace = 0.1;
 
@@ -29,9 +31,9 @@ SurfacePoint between(const TriangleMesh& mesh, const ClosestPointQuery& query, c
                      double distance, double part) {
   const Vec3 a = position(mesh, mapA.source), b = position(mesh, mapB.source);
   const SurfacePoint onChord = query.closest(Vec3(a + part * (b - a))).point;
-  constexpr double kDetour = 1.2;
+  constexpr double kStraight = 1.2;
   const double around = mapA.distance(mesh, onChord) + mapB.distance(mesh, onChord);
-  if (around <= kDetour * distance + meanEdge(mesh, onChord.face)) return onChord;
+  if (around <= kStraight * distance + meanEdge(mesh, onChord.face)) return onChord;
   // The chord leads to another sheet of the surface: take the best vertex on the way along the surface.
   Index best = mesh.vertex(mapA.source.face, 0);
   double least = kFar;
@@ -195,17 +197,19 @@ double SingularTargets::addPair(Present a, Present b, LogMapScratch& scratch, st
     b.state.point = placed->b;
   }
   StormPair pair{a.state, b.state, stateOf(a.storm->single, a.state.point), 0.0};
-  pair.distance = distanceBetween(a.state, b.state, scratch);
+  const double touching = a.state.radius + b.state.radius;
+  if (chord >= touching) return 1.0;
+  const double largest = std::max({a.state.radius, b.state.radius, pair.single.radius});
+  const LogMap mapA =
+      logMap(charts_, a.state.point, largest + std::min(touching, kDetour * chord + kCloseEdges * edge), scratch);
+  pair.distance = mapA.distance(mesh, b.state.point);
   const double joint = pair.joint();
   if (!(joint > 0.0)) return 1.0;
-
-  const double reach = pair.distance + std::max({a.state.radius, b.state.radius, pair.single.radius});
-  const LogMap mapA = logMap(charts_, a.state.point, reach, scratch);
-  const LogMap mapB = logMap(charts_, b.state.point, reach, scratch);
+  const LogMap mapB = logMap(charts_, b.state.point, pair.distance + largest, scratch);
   const double touch = a.state.radius / (a.state.radius + b.state.radius);
   const double part = touch + pair.closeness() * (0.5 - touch);
   const SurfacePoint saddle = placed ? placed->saddle : between(mesh, query_, mapA, mapB, pair.distance, part);
-  const LogMap mapSaddle = logMap(charts_, saddle, reach, scratch);
+  const LogMap mapSaddle = logMap(charts_, saddle, pair.distance + largest, scratch);
   const double share = joint * std::min(a.share, b.share);
   // Three zeros a few edges apart stand less smoothing than one.
   constexpr double kFirmWhenClose = 30.0;
