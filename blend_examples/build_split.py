@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import example
 import shapes
 
-NAME, STILL = "split", 60
+NAME, STILL = "split", 46
 SPLIT = 0.5  # λ at which one vortex becomes two
 PARTING = (0.0, 0.10)
 RISING = ((0.0, -0.52), (0.0, -0.3), PARTING)
@@ -35,7 +35,7 @@ def design(scene: bpy.types.Scene, head: bpy.types.Object) -> None:
 
 
 def main() -> None:
-    options = example.parse(NAME, __doc__, frames=96)
+    options = example.parse(NAME, __doc__, frames=72)
     example.begin(options)
     scene = bpy.context.scene
     parts, shading = example.part("presets.parts"), example.part("shading")

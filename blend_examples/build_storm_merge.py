@@ -20,7 +20,7 @@ def build(options: example.Options) -> bpy.types.Object:
 
 
 def main() -> None:
-    options = example.parse(NAME, __doc__, frames=96)
+    options = example.parse(NAME, __doc__, frames=84)
     example.begin(options)
     planet = build(options)
     example.solve_and_bake(options, planet, NAME)

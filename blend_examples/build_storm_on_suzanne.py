@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import example
 import shapes
 
-NAME, STILL = "storm_on_suzanne", 30
+NAME, STILL = "storm_on_suzanne", 24
 MEETING = (0.0, 0.52)
 # Ways over the front of the face, as (x, z).
 WEST = ((-0.72, 0.30), (-0.66, 0.52), (-0.45, 0.66), (-0.2, 0.66), MEETING)
@@ -46,7 +46,7 @@ def design(scene: bpy.types.Scene, monkey: bpy.types.Object, eyes: bool) -> None
 
 
 def main() -> None:
-    options = example.parse(NAME, __doc__, frames=60)
+    options = example.parse(NAME, __doc__, frames=48)
     example.begin(options)
     scene = bpy.context.scene
     parts, shading = example.part("presets.parts"), example.part("shading")

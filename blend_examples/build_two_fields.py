@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import example
 import shapes
 
-NAME, STILL = "two_fields", 36
+NAME, STILL = "two_fields", 30
 MAJOR, MINOR = 1.0, 0.42
 
 
@@ -44,7 +44,7 @@ def design(scene: bpy.types.Scene, ring: bpy.types.Object) -> None:
 
 
 def main() -> None:
-    options = example.parse(NAME, __doc__, frames=72)
+    options = example.parse(NAME, __doc__, frames=60)
     example.begin(options)
     scene = bpy.context.scene
     parts, shading = example.part("presets.parts"), example.part("shading")

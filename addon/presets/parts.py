@@ -134,6 +134,7 @@ def set_world(scene: bpy.types.Scene, color: Point, strength: float = 1.0) -> No
     scene.world = world
     if world.node_tree is None:  # before Blender 5 a world has no nodes until asked
         world.use_nodes = True
+    world.cycles.sampling_method = "NONE"  # a dark sky lights nothing: every sample goes to the lamps
     background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
     background.inputs["Color"].default_value = (*color, 1.0)
     background.inputs["Strength"].default_value = strength

@@ -66,7 +66,7 @@ def on_sphere(longitude: float, latitude: float, radius: float = 1.0) -> tuple[f
     return (radius * math.cos(lat) * math.cos(lon), radius * math.cos(lat) * math.sin(lon), radius * math.sin(lat))
 
 
-def build(context: bpy.types.Context, subdivisions: int = 7, frames: int = 96) -> bpy.types.Object:
+def build(context: bpy.types.Context, subdivisions: int = 7, frames: int = 84) -> bpy.types.Object:
     """Add planet, elements, λ keys, material, camera, light and render settings to the scene; returns the planet.
 
     ``subdivisions`` is that of Blender's icosphere: 7 makes 41 k vertices, 6 a quarter of that."""
@@ -74,7 +74,7 @@ def build(context: bpy.types.Context, subdivisions: int = 7, frames: int = 96) -
     planet = parts.add_icosphere(scene, "Gas Giant", subdivisions)
     parts.concentrate(planet.data, on_sphere(*MEETING), 2.2)
     _add_elements(scene, planet)
-    parts.add_field(planet, frames, samples=60, period=54, even_speed=0.0)
+    parts.add_field(planet, frames, samples=60, period=42, even_speed=0.0)
     planet.data.materials.append(build_material("storm_clouds"))
     _add_stage(scene, frames)
     context.view_layer.objects.active = planet
@@ -85,7 +85,7 @@ def _add_elements(scene: bpy.types.Scene, planet: bpy.types.Object) -> None:
     collection = parts.element_collection(scene, planet)
     size = math.sqrt(4.0 * math.pi)  # of the unit sphere: the unit of speeds is sizes per second
     for jet in JETS:
-        circle = [on_sphere(longitude, jet.latitude) for longitude in range(0, 360, 4)]
+        circle = [on_sphere(longitude, jet.latitude) for longitude in range(360)]
         source = parts.curve_object(f"Jet {jet.latitude:+d}°", circle, collection, cyclic=True)
         speed = jet.speed * math.cos(math.radians(jet.latitude)) / size
         parts.add_element(planet, source, type="streamline", strength=speed, radius=jet.half_width)
@@ -103,7 +103,7 @@ def _add_stage(scene: bpy.types.Scene, frames: int) -> None:
     scene.render.fps = 24
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 960, 540, 100
     scene.view_settings.view_transform = "Standard"
-    parts.set_cycles(scene, samples=4)
+    parts.set_cycles(scene, samples=3)
     parts.set_world(scene, (0.0005, 0.0007, 0.0012))
-    parts.add_sun(scene, on_sphere(45.0, 12.0), energy=3.7, color=(1.0, 0.97, 0.92), shadow=False)
+    parts.add_sun(scene, on_sphere(30.0, 8.0), energy=3.5, color=(1.0, 0.97, 0.92), shadow=False)
     parts.add_camera(scene, on_sphere(6.0, -25.0, 2.62), on_sphere(1.5, -19.5), lens=50.0)

@@ -15,7 +15,7 @@ from .groups import flow_noise
 from .tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs
 
 GROUP = "Stormfield Lava"
-GLOW = ((0.0, "#000000"), (0.25, "#3a0500"), (0.5, "#b52400"), (0.75, "#ff7a12"), (1.0, "#ffe08a"))
+GLOW = ((0.0, "#000000"), (0.25, "#3a0500"), (0.5, "#b01e00"), (0.75, "#ff5a08"), (1.0, "#ffb040"))
 CRUST = ((0.25, "#120f0e"), (0.5, "#2a221e"), (0.75, "#54453c"))
 
 
@@ -50,7 +50,7 @@ def lava(**settings: float) -> bpy.types.Material:
     material, tree = new_material("Lava")
     parts = tree.group(lava_group(), **settings)
     surface = tree.principled(base_color=parts["Crust"], roughness=0.75, emission_color=parts["Glow"])
-    tree.connect(parts["Heat"] * parts["Heat"] * 7.0, surface.inputs["Emission Strength"])
+    tree.connect(parts["Heat"] * parts["Heat"] * 3.5, surface.inputs["Emission Strength"])
     tree.bump(parts["Height"], surface, distance=0.05)
     tree.surface(surface)
     return material

@@ -33,7 +33,7 @@ def layer_group(tree: Tree) -> None:
     """The noises of one phase: swirls and filaments, bent by one warp, and an unbent relief."""
     add_vector_input(tree, "Coordinate")
     add_input(tree, "Eddies", 7.0, 0, 100)
-    add_input(tree, "Filaments", 20.0, 0, 500)
+    add_input(tree, "Filaments", 24.0, 0, 500)
     given = group_inputs(tree)
     coordinate = given["Coordinate"]
     streaky = coordinate * (0.45, 0.45, 1.0)
@@ -42,7 +42,7 @@ def layer_group(tree: Tree) -> None:
     set_outputs(
         tree,
         broad=tree.noise(warped, given["Eddies"], 2.0, 0.55),
-        fine=tree.noise(warped, given["Filaments"], 4.0, 0.7),
+        fine=tree.noise(warped, given["Filaments"], 3.0, 0.72),
         relief=tree.noise(streaky, given["Filaments"] * 1.8, 1.0, 0.6),
     )
 
@@ -53,7 +53,7 @@ def storm_clouds_group(tree: Tree) -> None:
     add_input(tree, "Band Offset", 0.5, -10, 10, "Which colour of the bands lies where the stream function is zero")
     add_input(tree, "Turbulence", 0.18, 0, 2, "How far eddies carry the bands' colours across their borders")
     add_input(tree, "Eddies", 7.0, 0, 100, "Frequency of the broad eddies, per unit of length")
-    add_input(tree, "Filaments", 20.0, 0, 500, "Frequency of the filaments, per unit of length")
+    add_input(tree, "Filaments", 24.0, 0, 500, "Frequency of the filaments, per unit of length")
     add_input(tree, "Contrast", 0.75, 0, 2, "Brightness of the filaments")
     add_input(tree, "Storm Rotation", 9.0, 0.001, 100, "Rotation (sf_rotation) of a storm's core")
     add_input(tree, "Storm Tint", 0.92, 0, 1, "How much the storms' cores take the storm colours")
@@ -80,7 +80,7 @@ def storm_clouds_group(tree: Tree) -> None:
     streak = tree.noise(band, 26.0, 2.0, 0.6) - 0.5
     core = (rotation + fine * 0.3 + broad * 0.35).ramp(0.04, 0.24)
     collar = (rotation * 5.0 + fine * 1.0).ramp(-0.15, -0.9)
-    inside = tree.color_ramp(rotation * 0.6 + broad * 1.7 + fine * 0.5 + 0.22, STORM)
+    inside = tree.color_ramp(rotation * 0.4 + broad * 1.8 + fine * 0.5 + 0.3, STORM)
     color = tree.mix(collar * 0.5, color, (0.78, 0.7, 0.58, 1.0))
     color = tree.mix(core * given["Storm Tint"], color, inside)
     light = fine * (given["Contrast"] * 2.0) + streak * 0.9 + 0.95
