@@ -26,8 +26,9 @@ std::string elementName(const ConstraintSet& constraints, std::size_t k) {
 void check(const ConstraintSet& constraints, Index vertices, Index samples) {
   const std::size_t n = constraints.size();
   if (n == 0) {
-    throw InputError("the design has no constraint, so the field would be zero: add an element, or enlarge the radius of "
-                     "those there until they reach a vertex");
+    throw InputError(
+        "the design has no constraint, so the field would be zero: add an element, or enlarge the radius of "
+        "those there until they reach a vertex");
   }
   if (constraints.sample.size() != n || constraints.value.size() != n || constraints.weight.size() != n ||
       constraints.element.size() != n) {

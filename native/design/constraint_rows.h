@@ -25,8 +25,8 @@ struct ConstraintRows {
   const Entry* end(Index row) const { return entries.data() + start[row + 1]; }
 };
 
-/// rowOf: row of each mesh vertex (kNone for unused ones); mass: per row. Throws InputError, naming elements, when there
-/// are no constraints, one is out of range or not finite, or two hard ones contradict.
+/// rowOf: row of each mesh vertex (kNone for unused ones); mass: per row. Throws InputError, naming elements, when
+/// there are no constraints, one is out of range or not finite, or two hard ones contradict.
 ConstraintRows constraintRows(const ConstraintSet& constraints, const std::vector<Index>& rowOf,
                               const std::vector<double>& mass, Index samples);
 

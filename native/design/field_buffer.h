@@ -28,10 +28,18 @@ class FieldBuffer {
 #endif
   }
 
-  float* data() { return data_.get(); }
-  const float* data() const { return data_.get(); }
-  std::size_t size() const { return size_; }
-  void release() { *this = FieldBuffer(); }
+  float* data() {
+    return data_.get();
+  }
+  const float* data() const {
+    return data_.get();
+  }
+  std::size_t size() const {
+    return size_;
+  }
+  void release() {
+    *this = FieldBuffer();
+  }
 
  private:
   struct Free {

@@ -6,47 +6,76 @@
 
 namespace stormfield::kernels {
 
-using Vector = float __attribute__((vector_size(16)));
-/// The same anywhere in an array of floats. References only: vectors are never passed by value.
-using VectorInMemory = float __attribute__((vector_size(16), aligned(4), may_alias));
+/// 16 bytes: four floats (two complex values) or two doubles (one). InMemory is the same anywhere in an array. Vectors
+/// are never passed by value.
+template <typename Real>
+struct Register;
+template <>
+struct Register<float> {
+  using Type = float __attribute__((vector_size(16)));
+  using InMemory = float __attribute__((vector_size(16), aligned(4), may_alias));
+};
+template <>
+struct Register<double> {
+  using Type = double __attribute__((vector_size(16)));
+  using InMemory = double __attribute__((vector_size(16), aligned(8), may_alias));
+};
+template <typename Real>
+using VectorOf = typename Register<Real>::Type;
+using Vector = VectorOf<float>;
 
-inline const VectorInMemory& load(const float* p) { return *reinterpret_cast<const VectorInMemory*>(p); }
-inline void store(float* p, const Vector& v) { *reinterpret_cast<VectorInMemory*>(p) = v; }
+template <typename Real>
+inline const typename Register<Real>::InMemory& load(const Real* p) {
+  return *reinterpret_cast<const typename Register<Real>::InMemory*>(p);
+}
+template <typename Real>
+inline void store(Real* p, const VectorOf<Real>& v) {
+  *reinterpret_cast<typename Register<Real>::InMemory*>(p) = v;
+}
 
 /// One coupling of a row: the neighbour and the matrix entry.
-struct Coupling {
+template <typename Real>
+struct CouplingOf {
   Index column;
-  float re, im;
+  Real re, im;
 };
+using Coupling = CouplingOf<float>;
 
-/// out = sum of couplings times neighbour rows, over Width vectors at offset k.
-template <int Width, typename Finish>
-inline void gatherBlock(const Coupling* first, const Coupling* last, const float* x, std::size_t stride, std::size_t k,
-                        const Finish& finish) {
-  Vector real[Width] = {};
-  Vector imaginary[Width] = {};
-  for (const Coupling* c = first; c != last; ++c) {
-    const float* row = x + static_cast<std::size_t>(c->column) * stride + k;
+/// Calls finish(offset, sum over the couplings of entry times neighbour row) for Width vectors from offset k. The two
+/// parts of each entry are summed apart, so that the inner loop needs no shuffles.
+template <int Width, typename Real, typename Finish>
+inline void gatherBlock(const CouplingOf<Real>* first, const CouplingOf<Real>* last, const Real* x, std::size_t stride,
+                        std::size_t k, const Finish& finish) {
+  constexpr std::size_t kLanes = 16 / sizeof(Real);
+  VectorOf<Real> real[Width] = {};
+  VectorOf<Real> imaginary[Width] = {};
+  for (const CouplingOf<Real>* c = first; c != last; ++c) {
+    const Real* row = x + static_cast<std::size_t>(c->column) * stride + k;
     for (int w = 0; w < Width; ++w) {
-      const Vector v = load(row + 4 * w);
+      const VectorOf<Real> v = load(row + kLanes * w);
       real[w] += c->re * v;
       imaginary[w] += c->im * v;
     }
   }
-  const Vector sign = {-1.0f, 1.0f, -1.0f, 1.0f};
   for (int w = 0; w < Width; ++w) {
-    const Vector turned = __builtin_shufflevector(imaginary[w], imaginary[w], 1, 0, 3, 2);
-    finish(k + 4 * w, real[w] + sign * turned);
+    if constexpr (kLanes == 4) {
+      const VectorOf<Real> sign = {-1, 1, -1, 1};
+      finish(k + kLanes * w, real[w] + sign * __builtin_shufflevector(imaginary[w], imaginary[w], 1, 0, 3, 2));
+    } else {
+      const VectorOf<Real> sign = {-1, 1};
+      finish(k + kLanes * w, real[w] + sign * __builtin_shufflevector(imaginary[w], imaginary[w], 1, 0));
+    }
   }
 }
 
-/// Calls finish(offset, sum over the couplings) for each vector of the row.
-template <typename Finish>
-inline void gatherRow(const Coupling* first, const Coupling* last, const float* x, std::size_t stride,
+/// The same for the whole row; stride is a multiple of 32 bytes.
+template <typename Real, typename Finish>
+inline void gatherRow(const CouplingOf<Real>* first, const CouplingOf<Real>* last, const Real* x, std::size_t stride,
                       const Finish& finish) {
+  constexpr std::size_t kLanes = 16 / sizeof(Real);
   std::size_t k = 0;
-  for (; k + 16 <= stride; k += 16) gatherBlock<4>(first, last, x, stride, k, finish);
-  for (; k < stride; k += 8) gatherBlock<2>(first, last, x, stride, k, finish);
+  for (; k + 4 * kLanes <= stride; k += 4 * kLanes) gatherBlock<4>(first, last, x, stride, k, finish);
+  for (; k < stride; k += 2 * kLanes) gatherBlock<2>(first, last, x, stride, k, finish);
 }
 
 /// Solves T x = y in place, T tridiagonal with off-diagonals -coupling * grid coupling, by elimination from both ends

@@ -93,13 +93,13 @@ double Multigrid::apply(const float* r, float* z) {
   return std::accumulate(dots.begin(), dots.end(), 0.0);
 }
 
-double Multigrid::applyOperator(const float* p, float* q) const {
+Multigrid::Products Multigrid::applyOperator(const float* p, float* q, const float* with) const {
   const SurfaceLevel& level = hierarchy_.levels.front();
   const std::size_t stride = level.lambda.stride();
   const Index samples = level.lambda.samples();
-  std::vector<double> dots(level.sweep.chunks(), 0.0);
+  std::vector<Products> parts(level.sweep.chunks());
   forAllChunks(level, progress_, [&](Index chunk) {
-    double dot = 0.0;
+    Products part;
     for (Index i = level.sweep.chunkStart[chunk]; i < level.sweep.chunkStart[chunk + 1]; ++i) {
       const float* own = p + i * stride;
       float* out = q + i * stride;
@@ -121,11 +121,17 @@ double Multigrid::applyOperator(const float* p, float* q) const {
           out[t] = e->hard() ? 0.0f : out[t] + static_cast<float>(e->weight) * own[t];
         }
       }
-      dot += kernels::dotRow(own, out, stride);
+      part.withImage += kernels::dotRow(with + i * stride, out, stride);
+      part.image += kernels::dotRow(out, out, stride);
     }
-    dots[chunk] = dot;
+    parts[chunk] = part;
   });
-  return std::accumulate(dots.begin(), dots.end(), 0.0);
+  Products sum;
+  for (const Products& part : parts) {
+    sum.withImage += part.withImage;
+    sum.image += part.image;
+  }
+  return sum;
 }
 
 void Multigrid::cycle(std::size_t l, const float* b, float* x, std::vector<double>* dots) {
@@ -188,10 +194,9 @@ void Multigrid::cycle(std::size_t l, const float* b, float* x, std::vector<doubl
     for (Index i = sweep.chunkStart[chunk]; i < sweep.chunkStart[chunk + 1]; ++i) {
       float* out = data.residual.data() + i * nextStride;
       float* to = halved ? line.data() : out;
-      kernels::gatherRow(couplings.entries.data() + level.split[i], couplings.end(i), x, stride,
-                         [&](std::size_t k, const Vector& sum) {
-                           kernels::store(to + k, -kernels::load(mass.data() + k) * sum);
-                         });
+      kernels::gatherRow(
+          couplings.entries.data() + level.split[i], couplings.end(i), x, stride,
+          [&](std::size_t k, const Vector& sum) { kernels::store(to + k, -kernels::load(mass.data() + k) * sum); });
       clearHard(i, to);
       if (halved) {
         std::fill(out + 2 * next.lambda.samples(), out + nextStride, 0.0f);

@@ -16,13 +16,20 @@ class Multigrid {
 
   /// z = M r for rows of the finest level; returns the inner product of r and z (float rows, double sum).
   double apply(const float* r, float* z);
-  /// q = A p on the finest level, hard rows zero; returns the inner product of p and q.
-  double applyOperator(const float* p, float* q) const;
+  struct Products {
+    double withImage = 0.0;  ///< inner product of `with` and q
+    double image = 0.0;      ///< of q and q
+  };
+  /// q = A p on the finest level, hard rows zero.
+  Products applyOperator(const float* p, float* q, const float* with) const;
+
+  const SurfaceLevel& finest() const { return hierarchy_.levels.front(); }
+  const Progress& progress() const { return progress_; }
 
  private:
   struct LevelData {
-    FieldBuffer inverse;          ///< reciprocal pivots, samples per row
-    FieldBuffer x, b, residual;   ///< residual: of the rows here, restricted in lambda
+    FieldBuffer inverse;         ///< reciprocal pivots, samples per row
+    FieldBuffer x, b, residual;  ///< residual: of the rows here, restricted in lambda
   };
 
   void cycle(std::size_t level, const float* b, float* x, std::vector<double>* dots);

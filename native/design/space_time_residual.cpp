@@ -7,23 +7,23 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include "design/row_algebra.h"
+
 namespace stormfield {
 namespace {
 
+using Coupling = kernels::CouplingOf<double>;
+
+/// Values of one chunk and its halo, a row per vertex, all samples.
 struct Scratch {
-  std::vector<Complex> x;  ///< rows of the chunk, then its halo; all samples
-  std::vector<double> real, imaginary;
+  std::vector<Complex> x;
+  std::vector<double> residual;
+  std::vector<Coupling> couplings;
 };
 
-/// sums += entry times neighbour, kept as two sums so that the inner loop is two plain additions of scaled rows.
-void addCoupling(Complex entry, const Complex* neighbour, Index samples, double* real, double* imaginary) {
-  const double* x = reinterpret_cast<const double*>(neighbour);
-  const double a = entry.real();
-  const double b = entry.imag();
-  for (Index t = 0; t < 2 * samples; ++t) {
-    real[t] += a * x[t];
-    imaginary[t] += b * x[t];
-  }
+/// Samples in a row of doubles, padded with zeros to whole pairs.
+std::size_t paddedSamples(Index samples) {
+  return (static_cast<std::size_t>(samples) + 1) / 2 * 2;
 }
 
 }  // namespace
@@ -63,38 +63,34 @@ double SpaceTimeResidual::evaluate(const ConstraintRows& constraints, const std:
   const LambdaGrid& lambda = hierarchy_.levels.front().lambda;
   const Index samples = lambda.samples();
   const std::size_t stride = lambda.stride();
+  const std::size_t padded = paddedSamples(samples);
   const std::size_t vertices = rowOf_.size();
-  std::vector<double> squares(hierarchy_.finest.chunks(), 0.0);
+  const SweepOrder& sweep = hierarchy_.finest;
+  std::vector<double> squares(sweep.chunks(), 0.0);
   tbb::enumerable_thread_specific<Scratch> scratches;
-  tbb::parallel_for(Index{0}, hierarchy_.finest.chunks(), [&](Index chunk) {
+
+  tbb::parallel_for(Index{0}, sweep.chunks(), [&](Index chunk) {
     progress.check();
     Scratch& scratch = scratches.local();
-    const Index first = hierarchy_.finest.chunkStart[chunk];
-    const Index own = hierarchy_.finest.chunkStart[chunk + 1] - first;
-    const Index halo = static_cast<Index>(haloStart_[chunk + 1] - haloStart_[chunk]);
-    auto rowAt = [&](Index local) { return local < own ? first + local : halo_[haloStart_[chunk] + (local - own)]; };
-    scratch.x.resize(static_cast<std::size_t>(own + halo) * samples);
-    scratch.real.resize(2 * samples);
-    scratch.imaginary.resize(2 * samples);
+    const Index first = sweep.chunkStart[chunk];
+    const Index own = sweep.chunkStart[chunk + 1] - first;
+    const std::vector<Index> local = localRows(chunk);
+    scratch.x.assign(local.size() * padded, Complex{});
     bool zero = !x.base && !x.correction;
+
     if (x.base) {
+      std::vector<Index> from;
+      for (const Index row : local) from.push_back(vertex_[row]);
       for (Index j = 0; j < samples; ++j) {
         const Complex* slice = x.base + j * vertices;
-        for (Index i = 0; i < own + halo; ++i) {
-          scratch.x[static_cast<std::size_t>(i) * samples + j] = slice[vertex_[rowAt(i)]];
-        }
+        for (std::size_t i = 0; i < from.size(); ++i) scratch.x[i * padded + j] = slice[from[i]];
       }
-    } else {
-      std::fill(scratch.x.begin(), scratch.x.end(), Complex{});
     }
-    for (Index i = 0; i < own + halo; ++i) {
-      const Index row = rowAt(i);
-      Complex* line = scratch.x.data() + static_cast<std::size_t>(i) * samples;
-      if (!active[row]) {
-        std::fill(line, line + samples, Complex{});
-        continue;
-      }
-      if (x.correction) {
+    for (std::size_t i = 0; i < local.size(); ++i) {
+      const Index row = local[i];
+      Complex* line = scratch.x.data() + i * padded;
+      if (!active[row]) std::fill(line, line + samples, Complex{});
+      if (x.correction && active[row]) {
         const float* add = x.correction + row * stride;
         for (Index j = 0; j < samples; ++j) line[j] += x.scale * Complex(add[2 * j], add[2 * j + 1]);
       }
@@ -108,50 +104,54 @@ double SpaceTimeResidual::evaluate(const ConstraintRows& constraints, const std:
     if (field) {
       for (Index j = 0; j < samples; ++j) {
         Complex* slice = field + j * vertices;
-        for (Index i = 0; i < own; ++i) {
-          slice[vertex_[first + i]] = scratch.x[static_cast<std::size_t>(i) * samples + j];
-        }
+        for (Index i = 0; i < own; ++i) slice[vertex_[first + i]] = scratch.x[i * padded + j];
       }
     }
+
+    scratch.residual.resize(2 * padded);
+    double* r = scratch.residual.data();
+    const double* values = reinterpret_cast<const double*>(scratch.x.data());
     for (Index i = 0; i < own; ++i) {
       const Index row = first + i;
-      const Complex* line = scratch.x.data() + static_cast<std::size_t>(i) * samples;
-      std::fill(scratch.real.begin(), scratch.real.end(), 0.0);
-      std::fill(scratch.imaginary.begin(), scratch.imaginary.end(), 0.0);
-      double* r = scratch.real.data();
+      const double* v = values + i * 2 * padded;
+      std::fill(scratch.residual.begin(), scratch.residual.end(), 0.0);
       if (!zero && active[row]) {
-        const double k = lambdaCoupling_ * matrix.mass[row];
+        scratch.couplings.clear();
         for (std::size_t e = matrix.start[row]; e < matrix.start[row + 1]; ++e) {
-          addCoupling(matrix.value[e], scratch.x.data() + static_cast<std::size_t>(localColumn_[e]) * samples, samples,
-                      r, scratch.imaginary.data());
+          scratch.couplings.push_back({localColumn_[e], matrix.value[e].real(), matrix.value[e].imag()});
         }
-        const double* v = reinterpret_cast<const double*>(line);
         const double diagonal = matrix.diagonal[row];
-        for (Index j = 0; j < samples; ++j) {
-          r[2 * j] += diagonal * v[2 * j] - scratch.imaginary[2 * j + 1];
-          r[2 * j + 1] += diagonal * v[2 * j + 1] + scratch.imaginary[2 * j];
-        }
-        for (Index t = 0; t + 2 < 2 * samples; ++t) {
-          const double flow = k * (v[t + 2] - v[t]);
-          r[t] -= flow;
-          r[t + 2] += flow;
-        }
+        kernels::gatherRow(scratch.couplings.data(), scratch.couplings.data() + scratch.couplings.size(), values,
+                           2 * padded, [&](std::size_t k, const kernels::VectorOf<double>& sum) {
+                             kernels::store(r + k, -sum - diagonal * kernels::load(v + k));
+                           });
+        const double k = lambdaCoupling_ * matrix.mass[row];
+        for (Index t = 0; t < 2 * samples - 2; ++t) r[t] += k * (v[t + 2] - v[t]);
+        for (Index t = 2; t < 2 * samples; ++t) r[t] += k * (v[t - 2] - v[t]);
       }
-      for (Index t = 0; t < 2 * samples; ++t) r[t] = -r[t];
       for (const auto* e = constraints.begin(row); e != constraints.end(row); ++e) {
-        const Complex pull = e->hard() ? Complex{} : e->pull - e->weight * line[e->sample];
-        r[2 * e->sample] = e->hard() ? 0.0 : r[2 * e->sample] + pull.real();
-        r[2 * e->sample + 1] = e->hard() ? 0.0 : r[2 * e->sample + 1] + pull.imag();
+        const Index t = 2 * e->sample;
+        r[t] = e->hard() ? 0.0 : r[t] + e->pull.real() - e->weight * v[t];
+        r[t + 1] = e->hard() ? 0.0 : r[t + 1] + e->pull.imag() - e->weight * v[t + 1];
       }
-      squares[chunk] += std::inner_product(r, r + 2 * samples, r, 0.0);
+      squares[chunk] += kernels::dotRow(r, r, 2 * padded);
       if (residual) {
         float* out = residual + row * stride;
-        std::transform(r, r + 2 * samples, out, [&](double value) { return static_cast<float>(value / residualScale); });
+        const double factor = 1.0 / residualScale;
+        for (Index t = 0; t < 2 * samples; ++t) out[t] = static_cast<float>(factor * r[t]);
         std::fill(out + 2 * samples, out + stride, 0.0f);
       }
     }
   });
   return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0));
+}
+
+std::vector<Index> SpaceTimeResidual::localRows(Index chunk) const {
+  std::vector<Index> rows(hierarchy_.finest.chunkStart[chunk + 1] - hierarchy_.finest.chunkStart[chunk]);
+  std::iota(rows.begin(), rows.end(), hierarchy_.finest.chunkStart[chunk]);
+  rows.insert(rows.end(), halo_.begin() + static_cast<std::ptrdiff_t>(haloStart_[chunk]),
+              halo_.begin() + static_cast<std::ptrdiff_t>(haloStart_[chunk + 1]));
+  return rows;
 }
 
 void SpaceTimeResidual::add(const float* correction, double scale, Complex* base, const Progress& progress) const {

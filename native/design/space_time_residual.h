@@ -29,6 +29,9 @@ class SpaceTimeResidual {
   void add(const float* correction, double scale, Complex* base, const Progress& progress) const;
 
  private:
+  /// Rows of the chunk, then those outside that they are coupled to.
+  std::vector<Index> localRows(Index chunk) const;
+
   const SurfaceHierarchy& hierarchy_;
   double lambdaCoupling_;
   std::vector<Index> vertex_, rowOf_;

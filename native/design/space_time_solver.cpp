@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
 #include "base/message.h"
 #include "design/connection_laplacian.h"
-#include "design/multigrid.h"
-#include "design/row_algebra.h"
+#include "design/krylov.h"
 #include "design/space_time_residual.h"
 
 namespace stormfield {
@@ -56,61 +53,6 @@ struct SpaceTimeSolver::System {
 
   std::size_t floats() const {
     return static_cast<std::size_t>(hierarchy.matrix.rows()) * hierarchy.levels.front().lambda.stride();
-  }
-
-  /// Calls body(first float, last float, chunk) and adds up what it returns, in a fixed order.
-  template <typename Body>
-  double sumOverChunks(const Progress& progress, const Body& body) const {
-    const SweepOrder& sweep = hierarchy.finest;
-    const std::size_t stride = hierarchy.levels.front().lambda.stride();
-    std::vector<double> parts(sweep.chunks(), 0.0);
-    tbb::parallel_for(Index{0}, sweep.chunks(), [&](Index chunk) {
-      progress.check();
-      parts[chunk] = body(sweep.chunkStart[chunk] * stride, sweep.chunkStart[chunk + 1] * stride);
-    });
-    double sum = 0.0;
-    for (const double part : parts) sum += part;
-    return sum;
-  }
-
-  /// Conjugate gradients for A e = r until r, which is overwritten and has the length given, is as short as the target.
-  /// Returns the number of iterations.
-  int conjugateGradients(Multigrid& multigrid, float* r, float* e, double length, double target, int maxIterations,
-                         Progress& progress) const {
-    FieldBuffer p(floats());
-    FieldBuffer z(floats());
-    const double initial = length;
-    double rz = 0.0;
-    int iteration = 0;
-    while (length > target && iteration < maxIterations) {
-      const double previous = rz;
-      rz = multigrid.apply(r, z.data());
-      const float beta = iteration == 0 ? 0.0f : static_cast<float>(rz / previous);
-      const bool first = iteration == 0;
-      sumOverChunks(progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; k += 4) {
-          const kernels::Vector next = kernels::load(z.data() + k);
-          kernels::store(p.data() + k, first ? next : next + beta * kernels::load(p.data() + k));
-        }
-        return 0.0;
-      });
-      const double pq = multigrid.applyOperator(p.data(), z.data());
-      if (!(pq > 0.0)) break;
-      const float alpha = static_cast<float>(rz / pq);
-      const double square = sumOverChunks(progress, [&](std::size_t begin, std::size_t end) {
-        if (first) {
-          for (std::size_t k = begin; k < end; k += 4) kernels::store(e + k, alpha * kernels::load(p.data() + k));
-        } else {
-          kernels::addRow(alpha, p.data() + begin, e + begin, end - begin);
-        }
-        kernels::addRow(-alpha, z.data() + begin, r + begin, end - begin);
-        return kernels::dotRow(r + begin, r + begin, end - begin);
-      });
-      length = std::sqrt(square);
-      ++iteration;
-      progress.report(std::clamp(std::log(length / initial) / std::log(target / initial), 0.0, 1.0));
-    }
-    return iteration;
   }
 };
 
@@ -185,8 +127,8 @@ SpaceTimeResult SpaceTimeSolver::solve(const ConstraintSet& constraints, Progres
       }
       const double unit = rightSide / scale;
       const double target = std::max(kSafety * options_.tolerance, kSinglePrecisionGain * before);
-      result.iterations += system.conjugateGradients(*multigrid, r.data(), e.data(), before * unit, target * unit,
-                                                     options_.maxIterations - result.iterations, progress);
+      result.iterations += krylovSolve(*multigrid, r.data(), e.data(), before * unit, target * unit,
+                                       options_.maxIterations - result.iterations, progress);
     }
     x.scale = scale;
     if (run == 0) {
@@ -200,8 +142,7 @@ SpaceTimeResult SpaceTimeSolver::solve(const ConstraintSet& constraints, Progres
     if (run > 0 || result.residual > options_.tolerance) {
       x.correction = nullptr;
       scale = rightSide * std::max(result.residual, 1e-300);
-      result.residual =
-          system.residual.evaluate(rows, active, x, nullptr, r.data(), scale, progress) / rightSide;
+      result.residual = system.residual.evaluate(rows, active, x, nullptr, r.data(), scale, progress) / rightSide;
       x.correction = e.data();
     }
     if (result.residual > options_.tolerance &&

@@ -12,8 +12,8 @@
 // 1 / 64^2, dlambda = 1 / 99 and the spatial weights add up to 4:
 //     c^2 = 4 omega 64^2 / 99^2,    k_i = 4 omega (64 (samples - 1) / 99)^2 A_i / A.
 //
-// Precondition of the solve: see ConstraintSet. Throws InputError without constraints and for bad ones (constraint_rows.h),
-// SolverError when the tolerance is out of reach, Cancelled.
+// Precondition of the solve: see ConstraintSet. Throws InputError without constraints and for bad ones
+// (constraint_rows.h), SolverError when the tolerance is out of reach, Cancelled.
 //
 //   SpaceTimeSolver solver(charts);
 //   Progress progress;
@@ -30,10 +30,10 @@
 namespace stormfield {
 
 struct SpaceTimeOptions {
-  Index samples = 100;        ///< of lambda in [0, 1]
-  double lambdaWeight = 10;   ///< omega of thesis eq. 11.3 at the thesis's setting
-  double tolerance = 1e-4;    ///< of the true residual, relative to the right-hand side
-  int maxIterations = 200;    ///< of the Krylov method
+  Index samples = 100;       ///< of lambda in [0, 1]
+  double lambdaWeight = 10;  ///< omega of thesis eq. 11.3 at the thesis's setting
+  double tolerance = 1e-4;   ///< of the true residual, relative to the right-hand side
+  int maxIterations = 200;   ///< of the Krylov method
 };
 
 struct SpaceTimeResult {

@@ -19,14 +19,13 @@ CouplingRows toSingle(const Matrix& matrix) {
   rows.start = matrix.start;
   rows.entries.reserve(matrix.column.size());
   for (std::size_t k = 0; k < matrix.column.size(); ++k) {
-    rows.entries.push_back({matrix.column[k], static_cast<float>(matrix.value[k].real()),
-                            static_cast<float>(matrix.value[k].imag())});
+    rows.entries.push_back(
+        {matrix.column[k], static_cast<float>(matrix.value[k].real()), static_cast<float>(matrix.value[k].imag())});
   }
   return rows;
 }
 
-SurfaceLevel makeLevel(const SurfaceMatrix& matrix, SweepOrder sweep, const LambdaGrid& lambda,
-                       double lambdaCoupling) {
+SurfaceLevel makeLevel(const SurfaceMatrix& matrix, SweepOrder sweep, const LambdaGrid& lambda, double lambdaCoupling) {
   SurfaceLevel level;
   level.sweep = std::move(sweep);
   level.lambda = lambda;
@@ -45,8 +44,8 @@ SurfaceLevel makeLevel(const SurfaceMatrix& matrix, SweepOrder sweep, const Lamb
 bool lambdaIsStrong(const SurfaceMatrix& matrix, const LambdaGrid& lambda, double lambdaCoupling) {
   if (lambda.samples() < 4) return false;
   const double surface = std::accumulate(matrix.diagonal.begin(), matrix.diagonal.end(), 0.0) * lambda.mass[1];
-  const double along = std::accumulate(matrix.mass.begin(), matrix.mass.end(), 0.0) * lambdaCoupling *
-                       lambda.coupling[1];
+  const double along =
+      std::accumulate(matrix.mass.begin(), matrix.mass.end(), 0.0) * lambdaCoupling * lambda.coupling[1];
   return along >= 0.5 * surface;
 }
 

@@ -26,12 +26,12 @@ struct CouplingRows {
 struct SurfaceLevel {
   SweepOrder sweep;
   LambdaGrid lambda;
-  CouplingRows couplings;               ///< off-diagonal part of L
-  std::vector<std::size_t> split;       ///< first coupling of a row to a later row
-  std::vector<float> diagonal;          ///< of L
-  std::vector<float> lambdaCoupling;    ///< per vertex
-  CouplingRows prolongation;            ///< rows here, columns on the next level; empty on the last
-  CouplingRows restriction;             ///< its adjoint
+  CouplingRows couplings;             ///< off-diagonal part of L
+  std::vector<std::size_t> split;     ///< first coupling of a row to a later row
+  std::vector<float> diagonal;        ///< of L
+  std::vector<float> lambdaCoupling;  ///< per vertex
+  CouplingRows prolongation;          ///< rows here, columns on the next level; empty on the last
+  CouplingRows restriction;           ///< its adjoint
 
   Index rows() const { return static_cast<Index>(diagonal.size()); }
 };

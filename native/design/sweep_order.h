@@ -1,8 +1,8 @@
 // An order of the vertices for Gauss-Seidel sweeps that run in parallel and give the same bits on any thread count.
 //
 // Vertices near each other form chunks; the chunks are coloured so that chunks of one colour share no edge. Rows are
-// renumbered by colour, then chunk: a sweep takes the colours in turn, the chunks of a colour in parallel, the rows of a
-// chunk in order, and every row sees exactly the new values of the rows before it and the old ones of those after it.
+// renumbered by colour, then chunk: a sweep takes the colours in turn, the chunks of a colour in parallel, the rows of
+// a chunk in order, and every row sees exactly the new values of the rows before it and the old ones of those after it.
 #pragma once
 
 #include "design/surface_matrix.h"

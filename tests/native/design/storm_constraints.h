@@ -10,9 +10,9 @@ namespace stormfield::storms {
 
 struct StormOptions {
   Index samples = 100;
-  double radius = 0.15;   ///< in sizes of the mesh
-  double weight = 1000;   ///< 1 / size^2
-  double shift = 0.0;     ///< of the second storm along its path, radians
+  double radius = 0.15;  ///< in sizes of the mesh
+  double weight = 1000;  ///< 1 / size^2
+  double shift = 0.0;    ///< of the second storm along its path, radians
 };
 
 /// Discs of rotating vectors around two centres that approach each other along circles of latitude. The value and the

@@ -5,9 +5,9 @@
 #include <map>
 #include <thread>
 
-#include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <Eigen/SparseCholesky>
 
 #include "design/connection_laplacian.h"
 #include "design/storm_constraints.h"
@@ -181,9 +181,12 @@ std::vector<OracleCase> oracleCases() {
   const auto ring = annulus(24, 5);
   const auto several = together({surfaces::sphere(3), annulus(12, 3), surfaces::torus(10, 6)});
   const Index two = surfaces::sphere(3)->mesh().vertexCount() + annulus(12, 3)->mesh().vertexCount();
-  return {{"sphere", sphere, 20, sphere->mesh().vertexCount()}, {"torus", torus, 13, torus->mesh().vertexCount()},
-          {"annulus", ring, 21, ring->mesh().vertexCount()},    {"one sample", torus, 1, torus->mesh().vertexCount()},
-          {"two samples", ring, 2, ring->mesh().vertexCount()}, {"cube", surfaces::cube(), 7, 8},
+  return {{"sphere", sphere, 20, sphere->mesh().vertexCount()},
+          {"torus", torus, 13, torus->mesh().vertexCount()},
+          {"annulus", ring, 21, ring->mesh().vertexCount()},
+          {"one sample", torus, 1, torus->mesh().vertexCount()},
+          {"two samples", ring, 2, ring->mesh().vertexCount()},
+          {"cube", surfaces::cube(), 7, 8},
           {"several components", several, 10, two}};
 }
 
@@ -208,6 +211,225 @@ TEST(SpaceTimeSolver, AgreesWithADirectSolve) {
       }
     }
   }
+}
+
+TEST(SpaceTimeSolver, MeetsThesisEquationOnItsOwnGrid) {
+  // An interior row of the system on the thesis's planar setting is a multiple of eq. 11.3: neighbours in lambda weigh
+  // omega = 10 against spatial weights that add up to 1.
+  const ChartsPointer grid = surfaces::square(64);
+  const SurfaceMatrix matrix = connectionLaplacian(*grid).matrix;
+  ASSERT_EQ(matrix.rows(), 65 * 65);
+  const double coupling = SpaceTimeSolver::lambdaCoupling({});
+  Index interior = 0;
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    if (matrix.start[i + 1] - matrix.start[i] != 4) continue;
+    if (std::abs(matrix.mass[i] - 1.0 / 4096) > 1e-12) continue;
+    ++interior;
+    double spatial = 0.0;
+    for (std::size_t k = matrix.start[i]; k < matrix.start[i + 1]; ++k) spatial += std::abs(matrix.value[k]);
+    EXPECT_NEAR(matrix.diagonal[i], spatial, 1e-12);
+    EXPECT_NEAR(coupling * matrix.mass[i] / spatial, 10.0, 1e-9);
+  }
+  EXPECT_EQ(interior, 63 * 63);
+}
+
+TEST(SpaceTimeSolver, SolutionIsTheMeanOfItsNeighbours) {
+  // Eq. 11.3 itself, on the solved field: V = (sum of w V_neighbour + 10 (V_before + V_after)) / 21.
+  const ChartsPointer grid = surfaces::square(64);
+  ConstraintSet constraints;
+  constraints.elementNames = {"corner", "middle"};
+  constraints.add(0, 0, 1.0, kHard, 0);
+  constraints.add(65 * 32 + 32, 50, Complex(0, 2), kHard, 1);
+  SpaceTimeOptions options;
+  options.tolerance = 1e-10;
+  Progress progress;
+  const ParameterizedField field = SpaceTimeSolver(grid, options).solve(constraints, progress).field;
+  const auto space = [&](Index i, Index k, Index j) {
+    const Index v = k * 65 + i;
+    return grid->toSpace(v, field.sample(j)[v]);
+  };
+  for (const auto& [i, k, j] : {std::array<Index, 3>{20, 30, 50}, {33, 32, 49}, {5, 60, 2}, {40, 7, 97}}) {
+    const Vec3 mean = (0.25 * (space(i - 1, k, j) + space(i + 1, k, j) + space(i, k - 1, j) + space(i, k + 1, j)) +
+                       10.0 * (space(i, k, j - 1) + space(i, k, j + 1))) /
+                      21.0;
+    EXPECT_LT((mean - space(i, k, j)).norm(), 1e-7 * mean.norm());
+  }
+}
+
+TEST(SpaceTimeSolver, WarmStartReachesTheSameFieldInFewerSteps) {
+  const ChartsPointer sphere = surfaces::sphere(12);
+  SpaceTimeOptions options;
+  options.samples = 40;
+  const SpaceTimeSolver solver(sphere, options);
+  storms::StormOptions storm;
+  storm.samples = 40;
+  Progress progress;
+  const SpaceTimeResult before = solver.solve(storms::storms(*sphere, storm), progress);
+  const SpaceTimeResult same = solver.solve(storms::storms(*sphere, storm), progress, &before.field);
+  EXPECT_EQ(same.iterations, 0);
+  EXPECT_EQ(same.field.values, before.field.values);
+  storm.shift = 0.05;
+  const SpaceTimeResult cold = solver.solve(storms::storms(*sphere, storm), progress);
+  const SpaceTimeResult warm = solver.solve(storms::storms(*sphere, storm), progress, &before.field);
+  EXPECT_LT(warm.iterations, cold.iterations);
+  EXPECT_LE(warm.residual, options.tolerance);
+  EXPECT_LT(difference(warm.field.values, cold.field.values), 2e-3);
+}
+
+TEST(SpaceTimeSolver, LeavesComponentsWithoutConstraintAtZero) {
+  const auto sphere = surfaces::sphere(3);
+  const ChartsPointer charts = together({sphere, annulus(12, 3), surfaces::torus(10, 6)});
+  const Index first = sphere->mesh().vertexCount();
+  ConstraintSet constraints;
+  constraints.elementNames = {"ring"};
+  constraints.add(first + 2, 3, Complex(1, 1), 50.0, 0);
+  SpaceTimeOptions options;
+  options.samples = 9;
+  Progress progress;
+  ParameterizedField start{charts, {}, std::vector<Complex>(9 * charts->mesh().vertexCount(), Complex(1, 2))};
+  for (int j = 0; j < 9; ++j) start.lambdas.push_back(j / 8.0);
+  const SpaceTimeSolver solver(charts, options);
+  for (const ParameterizedField* warm :
+       {static_cast<const ParameterizedField*>(nullptr), static_cast<const ParameterizedField*>(&start)}) {
+    const SpaceTimeResult result = solver.solve(constraints, progress, warm);
+    EXPECT_EQ(result.componentsWithoutConstraint, (std::vector<Index>{0, 2}));
+    for (Index j = 0; j < 9; ++j) {
+      for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
+        const bool zero = result.field.sample(j)[v] == Complex{};
+        EXPECT_EQ(zero, charts->mesh().component(v) != 1) << v;
+      }
+    }
+  }
+}
+
+TEST(SpaceTimeSolver, GivesTheSameBitsForAnyThreadCount) {
+  const ChartsPointer sphere = surfaces::sphere(16);
+  const ConstraintSet constraints = storms::storms(*sphere, {.samples = 30});
+  auto solve = [&](std::size_t threads) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    Progress progress;
+    return SpaceTimeSolver(sphere, {.samples = 30}).solve(constraints, progress).field.values;
+  };
+  const std::vector<Complex> one = solve(1);
+  EXPECT_EQ(one, solve(2));
+  EXPECT_EQ(one, solve(3));
+}
+
+TEST(SpaceTimeSolver, StopsWithinATenthOfASecond) {
+  const ChartsPointer sphere = surfaces::sphere(40);
+  SpaceTimeOptions options;
+  options.tolerance = 1e-12;
+  const SpaceTimeSolver solver(sphere, options);
+  const ConstraintSet constraints = storms::storms(*sphere, {});
+  Progress progress;
+  std::chrono::steady_clock::time_point asked;
+  std::thread artist([&] {
+    while (progress.fraction() == 0.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    asked = std::chrono::steady_clock::now();
+    progress.cancel();
+  });
+  EXPECT_THROW(solver.solve(constraints, progress), Cancelled);
+  artist.join();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count();
+  // Ten times the promise: this machine may be busy with other work.
+  EXPECT_LT(seconds, 1.0);
+  EXPECT_THROW(SpaceTimeSolver(sphere, options, progress), Cancelled);
+}
+
+TEST(SpaceTimeSolver, NamesWhatIsWrongWithConstraints) {
+  const ChartsPointer cube = surfaces::cube();
+  const SpaceTimeSolver solver(cube, {.samples = 5});
+  auto messageOf = [&](const ConstraintSet& constraints) -> std::string {
+    Progress progress;
+    try {
+      solver.solve(constraints, progress);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  auto one = [&](Index v, Index j, Complex value, double weight) {
+    ConstraintSet set;
+    set.elementNames = {"west storm", "east storm"};
+    set.add(v, j, value, weight, 1);
+    return set;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(messageOf({}).find("no constraint"), std::string::npos);
+  for (const ConstraintSet& bad :
+       {one(8, 0, 1.0, 1.0), one(-1, 0, 1.0, 1.0), one(0, 5, 1.0, 1.0), one(0, -1, 1.0, 1.0), one(0, 0, nan, 1.0),
+        one(0, 0, 1.0, 0.0), one(0, 0, 1.0, -2.0), one(0, 0, 1.0, nan)}) {
+    EXPECT_NE(messageOf(bad).find("east storm"), std::string::npos) << messageOf(bad);
+  }
+  ConstraintSet contradiction = one(3, 1, Complex(1, 0), kHard);
+  contradiction.add(3, 1, Complex(1, 0), kHard, 0);
+  EXPECT_EQ(messageOf(contradiction), "accepted");
+  contradiction.add(3, 1, Complex(0, 1), kHard, 0);
+  const std::string text = messageOf(contradiction);
+  for (const char* part : {"west storm", "vertex 3", "lambda 0.25"})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  ConstraintSet both = one(3, 1, Complex(0, 1), kHard);
+  both.add(3, 2, Complex(1, 0), kHard, 0);
+  both.add(3, 1, Complex(9, 9), 10.0, 0);  // a hard value beats a soft one
+  EXPECT_EQ(messageOf(both), "accepted");
+  ConstraintSet pair = one(3, 1, Complex(1, 0), kHard);
+  pair.add(3, 1, Complex(-1, 0), kHard, 0);
+  for (const char* part : {"west storm", "east storm"}) EXPECT_NE(messageOf(pair).find(part), std::string::npos);
+}
+
+TEST(SpaceTimeSolver, RefusesOptionsAndStartsThatDoNotFit) {
+  const ChartsPointer cube = surfaces::cube();
+  EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 0}), InputError);
+  EXPECT_THROW(SpaceTimeSolver(cube, {.lambdaWeight = 0.0}), InputError);
+  EXPECT_THROW(SpaceTimeSolver(cube, {.tolerance = 0.0}), InputError);
+  EXPECT_THROW(SpaceTimeSolver(cube, {.maxIterations = 0}), InputError);
+  ConstraintSet constraints;
+  constraints.add(0, 0, 1.0, 1.0, 0);
+  Progress progress;
+  const ParameterizedField wrong{cube, {0.0, 1.0}, std::vector<Complex>(16)};
+  EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 3}).solve(constraints, progress, &wrong), InputError);
+  SpaceTimeOptions hopeless{.samples = 100, .tolerance = 1e-17};
+  EXPECT_THROW(SpaceTimeSolver(surfaces::sphere(5), hopeless).solve(constraints, progress), SolverError);
+}
+
+TEST(SpaceTimeSolver, ConvergesWithResolution) {
+  // One design in space at 1, 4, 16 times the faces and 50, 100, 200 samples: vectors in space at shared vertices and
+  // shared lambdas come closer to each other, by about the edge length that the rims of the discs are resolved with.
+  std::vector<ParameterizedField> fields;
+  Index samples = 51;
+  for (const Index n : {10, 20, 40}) {
+    const ChartsPointer sphere = surfaces::sphere(n);
+    SpaceTimeOptions options;
+    options.samples = samples;
+    Progress progress;
+    fields.push_back(
+        SpaceTimeSolver(sphere, options).solve(storms::storms(*sphere, {.samples = samples}), progress).field);
+    samples = 2 * samples - 1;
+  }
+  auto valueAt = [](const ParameterizedField& field, Index j, const Vec3& where) {
+    const TriangleMesh& mesh = field.charts->mesh();
+    Index nearest = 0;
+    (mesh.points().rowwise() - where.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
+    EXPECT_LT((mesh.point(nearest) - where).norm(), 1e-9);
+    return field.charts->toSpace(nearest, field.sample(j)[nearest]);
+  };
+  const TriangleMesh& coarse = fields[0].charts->mesh();
+  std::array<double, 2> differences = {0.0, 0.0};
+  double length = 0.0;
+  for (Index v = 0; v < coarse.vertexCount(); v += 3) {
+    for (const Index j : {0, 20, 50}) {
+      const Vec3 a = valueAt(fields[0], j, coarse.point(v)), b = valueAt(fields[1], 2 * j, coarse.point(v)),
+                 c = valueAt(fields[2], 4 * j, coarse.point(v));
+      differences[0] += (a - b).squaredNorm();
+      differences[1] += (b - c).squaredNorm();
+      length += c.squaredNorm();
+    }
+  }
+  const double first = std::sqrt(differences[0] / length), second = std::sqrt(differences[1] / length);
+  RecordProperty("first", std::to_string(first));
+  RecordProperty("second", std::to_string(second));
+  EXPECT_LT(second, 0.75 * first);
+  EXPECT_LT(first, 0.1);
 }
 
 }  // namespace
