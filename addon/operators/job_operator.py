@@ -15,7 +15,7 @@ import time
 import bpy
 
 from . import running
-from .shared import FieldOperator, active_field, redraw, report_fault
+from .shared import FieldOperator, active_field, redraw_sidebars, report_fault
 
 #: Seconds of work between two looks at the keyboard, and between two timer events.
 SLICE = 0.04
@@ -26,6 +26,7 @@ EXPECTED = (ValueError, RuntimeError, OSError, MemoryError)
 
 class JobOperator(FieldOperator):
     job_title = "Working"
+    _shown = ""
 
     @classmethod
     def poll(cls, context):
@@ -38,13 +39,12 @@ class JobOperator(FieldOperator):
         if bpy.app.background:
             return self.execute(context)
         obj = active_field(context)
-        self._steps = None
+        self._steps, self._shown = None, ""
         try:
             self._steps = self.start(context, obj)
         except EXPECTED as fault:
             return report_fault(self, fault)
         self._object_name = obj.name
-        self._began = time.monotonic()
         running.begin(self.job_title, obj.name)
         manager = context.window_manager
         manager.progress_begin(0, 100)
@@ -74,12 +74,17 @@ class JobOperator(FieldOperator):
         except BaseException:
             self._leave(context)
             raise
-        context.window_manager.progress_update(round(job.fraction * 100))
-        context.workspace.status_text_set(
-            f"{self.job_title} '{job.object_name}': {job.fraction:.0%}  {job.message}      Esc: stop"
-        )
-        redraw(context)
+        self._show(context, job)
         return {"PASS_THROUGH"}
+
+    def _show(self, context, job):
+        """Progress in the status bar, the cursor and the panel, when what they say has changed."""
+        text = f"{self.job_title} '{job.object_name}': {job.fraction:.0%}  {job.message}      Esc: stop"
+        if text != self._shown:
+            self._shown = text
+            context.window_manager.progress_update(round(job.fraction * 100))
+            context.workspace.status_text_set(text)
+            redraw_sidebars(context)
 
     def cancel(self, context):
         """Blender ends modal operators when a file is loaded or the window closes."""
@@ -87,7 +92,7 @@ class JobOperator(FieldOperator):
 
     def execute(self, context):
         obj = active_field(context)
-        self._object_name, self._began = obj.name, time.monotonic()
+        self._object_name = obj.name
         job = running.begin(self.job_title, obj.name)
         try:
             steps = self.start(context, obj)
@@ -135,7 +140,7 @@ class JobOperator(FieldOperator):
         context.window_manager.progress_end()
         if context.workspace is not None:
             context.workspace.status_text_set(None)
-        redraw(context)
+        redraw_sidebars(context)
 
 
 class STORMFIELD_OT_cancel_job(bpy.types.Operator):

@@ -46,9 +46,10 @@ def report_fault(operator: bpy.types.Operator, fault: Exception) -> set[str]:
     return {"CANCELLED"}
 
 
-def redraw(context: bpy.types.Context) -> None:
-    """Draw the panels and overlays again (sidebars do not follow module state by themselves)."""
+def redraw_sidebars(context: bpy.types.Context) -> None:
+    """Draw the panels again, and nothing else: they do not follow module state by themselves."""
     for window in context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type in {"VIEW_3D", "PROPERTIES", "STATUSBAR"}:
-                area.tag_redraw()
+            for region in area.regions:
+                if area.type == "VIEW_3D" and region.type == "UI":
+                    region.tag_redraw()

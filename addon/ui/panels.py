@@ -226,7 +226,7 @@ def _draw_progress(layout, title: str) -> bool:
     row = layout.row(align=True)
     row.progress(factor=job.fraction, text=f"{job.title} {job.fraction:.0%}", type="BAR")
     row.operator("stormfield.cancel_job", text="", icon="CANCEL")
-    if job.message:
+    if job.message and job.message != job.title:
         layout.label(text=job.message)
     return True
 
