@@ -19,6 +19,10 @@
 #include <memory>
 #include <vector>
 
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
 #include "mesh/surface_point.h"
 #include "mesh/vertex_charts.h"
 
@@ -83,9 +87,23 @@ class alignas(64) FlatFace {
   static Lanes lanes(double a, double b, double c) {
     return {static_cast<float>(a), static_cast<float>(b), static_cast<float>(c), 0.0F};
   }
+  /// Correctly rounded on every processor, unlike the library's, which starts from the processor's estimate.
+  static Lanes squareRoot(const Lanes& a) {
+    Lanes root;
+#ifdef __SSE__
+    _mm_store_ps(root.data(), _mm_sqrt_ps(_mm_load_ps(a.data())));
+#else
+    for (int i = 0; i < 4; ++i) root[i] = std::sqrt(a[i]);
+#endif
+    return root;
+  }
   // The fourth lanes of the corners hold the reciprocals of base and height.
-  double inverseBase() const { return cornerX_[3]; }
-  double inverseHeight() const { return cornerY_[3]; }
+  double inverseBase() const {
+    return cornerX_[3];
+  }
+  double inverseHeight() const {
+    return cornerY_[3];
+  }
   Complex evaluateExtreme(const CarriedVectors& u, const std::array<double, 3>& b, Complex p) const;
 
   Eigen::Array4d cornerX_, cornerY_;
@@ -123,7 +141,7 @@ inline Complex FlatFace::evaluate(const CarriedVectors& u, Complex p) const {
   const Lanes dx = (p.real() - cornerX_).cast<float>(), dy = (p.imag() - cornerY_).cast<float>();
   const Lanes x = dx * bisectorX_ + dy * bisectorY_, y = dy * bisectorX_ - dx * bisectorY_;
   // Tangent of half the angle to the bisector; behind a corner, where only overshooting steps look, it is clamped.
-  const Lanes t = (y / (x + (x * x + y * y).sqrt()).max(1e-30F)).max(-0.7F).min(0.7F);
+  const Lanes t = (y / (x + squareRoot(x * x + y * y)).max(1e-30F)).max(-0.7F).min(0.7F);
   const Lanes q = t * t, qq = q * q;
   // Minimax polynomial of the arc tangent up to 30 degrees, Taylor polynomials of sine and cosine up to 0.8.
   const Lanes arcTangent =
