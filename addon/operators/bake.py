@@ -10,6 +10,18 @@ from .job_operator import JobOperator
 from .shared import active_field
 
 
+def why_not(obj: bpy.types.Object) -> str:
+    """Why nothing can be baked now, and the cure; empty when it can."""
+    settings = obj.stormfield.bake
+    if attach.attached_folder(obj, attach.LAMBDA) is None:
+        return "Solve first: the bake reads the solved field"
+    if not (settings.use_frames or settings.use_exr or settings.use_vdb):
+        return "Switch on at least one thing to write"
+    if settings.use_exr and not obj.data.uv_layers:
+        return "EXR flow maps need a UV layer; unwrap the mesh, or switch them off"
+    return requirements.problem()
+
+
 class STORMFIELD_OT_bake(JobOperator, bpy.types.Operator):
     """Write what is switched on below for every frame, from the solved field. Esc stops; finished frames are kept"""
 
@@ -22,20 +34,10 @@ class STORMFIELD_OT_bake(JobOperator, bpy.types.Operator):
     def poll(cls, context):
         if not super().poll(context):
             return False
-        obj = active_field(context)
-        settings = obj.stormfield.bake
-        problem = requirements.problem()
-        if problem:
-            cls.poll_message_set(problem)
-        elif attach.attached_folder(obj, attach.LAMBDA) is None:
-            cls.poll_message_set("Solve first: the bake reads the solved field")
-        elif not (settings.use_frames or settings.use_exr or settings.use_vdb):
-            cls.poll_message_set("Switch on at least one thing to write")
-        elif settings.use_exr and not obj.data.uv_layers:
-            cls.poll_message_set("EXR flow maps need a UV layer; unwrap the mesh, or switch them off")
-        else:
-            return True
-        return False
+        reason = why_not(active_field(context))
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
 
     def start(self, context, obj):
         return bake_steps(read_bake_task(context, obj, attach.attached_folder(obj, attach.LAMBDA)))

@@ -37,9 +37,9 @@ def add_element(obj: bpy.types.Object, source: bpy.types.Object | None, **settin
 
 
 def default_radius(obj: bpy.types.Object) -> float:
-    """A twelfth of the object's diagonal, in mesh units: visible at once, small against the object."""
+    """A part of the object's diagonal, in mesh units: visible at once, small against the object."""
     corners = obj.bound_box
-    return max(1e-4, sum((a - b) ** 2 for a, b in zip(corners[0], corners[6], strict=True)) ** 0.5 / 12.0)
+    return max(1e-4, sum((a - b) ** 2 for a, b in zip(corners[0], corners[6], strict=True)) ** 0.5 / 20.0)
 
 
 def is_animated(obj: bpy.types.Object) -> bool:

@@ -11,6 +11,13 @@ from .job_operator import JobOperator
 from .shared import active_field
 
 
+def why_not(obj: bpy.types.Object) -> str:
+    """Why the field cannot be solved now, and the cure; empty when it can."""
+    if not any(element.enabled for element in obj.stormfield.elements):
+        return "Add an element first: draw on the surface, or add a curve or an empty"
+    return requirements.problem()
+
+
 class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
     """Solve the field for every λ, cache it and show it on the mesh. Esc stops"""
 
@@ -23,14 +30,10 @@ class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
     def poll(cls, context):
         if not super().poll(context):
             return False
-        problem = requirements.problem()
-        if problem:
-            cls.poll_message_set(problem)
-            return False
-        if not any(element.enabled for element in active_field(context).stormfield.elements):
-            cls.poll_message_set("Add an element first: draw on the surface, or add a curve or an empty")
-            return False
-        return True
+        reason = why_not(active_field(context))
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
 
     def start(self, context, obj):
         mesh, design = read_design(context, obj)

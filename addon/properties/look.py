@@ -24,7 +24,7 @@ class LookProperties(bpy.types.PropertyGroup):
         min=4,
         soft_max=80,
         max=200,
-        default=32,
+        default=40,
     )
     length: FloatProperty(
         name="Length",

@@ -4,7 +4,7 @@ import bpy
 from bl_ui.utils import PresetPanel
 
 from ..convert import attach
-from ..operators import requirements, running
+from ..operators import bake, requirements, running, solve
 from ..operators.shared import active_field
 
 
@@ -130,6 +130,7 @@ class STORMFIELD_PT_solve(_FieldPanel, bpy.types.Panel):
             row = layout.row()
             row.scale_y = 1.4
             row.operator("stormfield.solve", icon="PLAY")
+            _hint(context, layout, solve.why_not(obj))
         column = layout.column()
         column.prop(settings, "even_speed", slider=True)
         column.prop(settings, "lambda_weight")
@@ -155,6 +156,7 @@ class STORMFIELD_PT_bake(_FieldPanel, bpy.types.Panel):
             row = layout.row()
             row.scale_y = 1.4
             row.operator("stormfield.bake", icon="RENDER_ANIMATION")
+            _hint(context, layout, bake.why_not(obj))
         column = layout.column(heading="Write")
         column.prop(settings, "use_frames")
         if settings.use_frames:
@@ -229,6 +231,12 @@ def _draw_progress(layout, title: str) -> bool:
     if job.message and job.message != job.title:
         layout.label(text=job.message)
     return True
+
+
+def _hint(context, layout, reason: str) -> None:
+    """Why the button above is grey. What this Blender lacks is said once, in the Field panel."""
+    if reason and reason != requirements.problem():
+        _text(context, layout, reason, icon="INFO")
 
 
 def _text(context, layout, text: str, icon: str) -> None:
