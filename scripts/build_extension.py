@@ -1,10 +1,10 @@
 """Build the Blender extension: addon/ and one wheel of the compiled core per Python, in one zip.
 
-    python scripts/build_extension.py WHEEL... --output out [--blender-ext PATH]
+    python scripts/build_extension.py [WHEEL...] [--output out] [--blender-ext PATH]
 
-WHEEL    wheels of stormfield as `pip wheel` makes them (one per Python and platform). Blender unpacks every wheel of an
-         extension into one folder of its own, so only the compiled core is taken from them: the Python package is the
-         extension itself.
+WHEEL    wheels of stormfield as `pip wheel` makes them, one per Python and platform; without any they are made here
+         for every environment of `make`. Blender unpacks all wheels of an extension into one folder of its own, so
+         only the compiled core is taken from them: the Python package is the extension itself.
 The zip is made and checked by Blender's own tool, blender_ext.py, which ships with the bpy wheel and needs no Blender.
 """
 
@@ -20,7 +20,8 @@ import tomllib
 import zipfile
 from pathlib import Path
 
-ADDON = Path(__file__).resolve().parents[1] / "addon"
+ROOT = Path(__file__).resolve().parents[1]
+ADDON = ROOT / "addon"
 CORE = "stormfield_native"
 #: Wheel platform tags by their beginning → Blender's platform.
 PLATFORMS = {
@@ -35,11 +36,29 @@ PLATFORMS = {
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("wheels", nargs="+", type=Path, help="wheels of stormfield, one per Python and platform")
+    parser.add_argument("wheels", nargs="*", type=Path, help="wheels of stormfield, one per Python and platform")
     parser.add_argument("--output", type=Path, default=Path("out"), help="folder of the zip")
     parser.add_argument("--blender-ext", type=Path, help="Blender's blender_ext.py; found beside bpy when not given")
     arguments = parser.parse_args()
-    print(build(arguments.wheels, arguments.output, arguments.blender_ext or find_blender_ext()))
+    wheels = arguments.wheels or make_wheels()
+    print(build(wheels, arguments.output, arguments.blender_ext or find_blender_ext()))
+
+
+def make_wheels() -> list[Path]:
+    """One wheel per Python environment of `make`, linked to its finished core where there is one."""
+    listed = subprocess.run([ROOT / "scripts" / "environments.sh", "list"], capture_output=True, text=True, check=True)
+    core = ROOT / "build" / "core"
+    options = ["-C", f"cmake.define.STORMFIELD_CORE_DIR={core}"] if (core / "StormfieldCore.cmake").exists() else []
+    wheels = []
+    for environment in listed.stdout.split():
+        with tempfile.TemporaryDirectory() as temporary:
+            pip = [ROOT / environment / "bin" / "python", "-m", "pip", "wheel", "--quiet", "--no-deps"]
+            subprocess.run([*pip, "--no-build-isolation", *options, "-w", temporary, "."], cwd=ROOT, check=True)
+            wheel = next(Path(temporary).glob("stormfield-*.whl"))
+            folder = ROOT / "build" / "wheels"
+            folder.mkdir(parents=True, exist_ok=True)
+            wheels.append(Path(shutil.copy(wheel, folder)))
+    return wheels
 
 
 def build(wheels: list[Path], output: Path, tool: Path) -> Path:

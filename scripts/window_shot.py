@@ -133,6 +133,7 @@ def picture():
         if obj.type == "LIGHT":
             obj.hide_set(True)
     planet.stormfield.look.style = "ARROWS" if PICTURE == "arrows" else "STROKES"
+    planet.stormfield.active_element = planet.stormfield.elements.find("Storm West")
     set_up_view(planet)
     area = view_area()
     with bpy.context.temp_override(area=area, region=area.regions[-1]):

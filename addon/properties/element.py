@@ -18,12 +18,12 @@ TYPES = (
     ),
 )
 KINDS = (
-    ("vortex_ccw", "Vortex, counter-clockwise", "Turns left around the point, seen from outside", 0),
-    ("vortex_cw", "Vortex, clockwise", "Turns right around the point, seen from outside", 1),
-    ("spiral_in_ccw", "Spiral in, counter-clockwise", "Turns left and flows in: a cyclone of the north", 2),
-    ("spiral_in_cw", "Spiral in, clockwise", "Turns right and flows in: a cyclone of the south", 3),
-    ("spiral_out_ccw", "Spiral out, counter-clockwise", "Turns left and flows out", 4),
-    ("spiral_out_cw", "Spiral out, clockwise", "Turns right and flows out", 5),
+    ("vortex_ccw", "Vortex, Left", "Turns left (counter-clockwise) around the point, seen from outside", 0),
+    ("vortex_cw", "Vortex, Right", "Turns right (clockwise) around the point, seen from outside", 1),
+    ("spiral_in_ccw", "Spiral In, Left", "Turns left and flows in: a cyclone of the north", 2),
+    ("spiral_in_cw", "Spiral In, Right", "Turns right and flows in: a cyclone of the south", 3),
+    ("spiral_out_ccw", "Spiral Out, Left", "Turns left and flows out", 4),
+    ("spiral_out_cw", "Spiral Out, Right", "Turns right and flows out", 5),
     ("source", "Source", "Everything flows away from the point", 6),
     ("sink", "Sink", "Everything flows to the point", 7),
     ("saddle", "Saddle", "Flows in along one axis and out along the other", 8),
