@@ -27,7 +27,7 @@ class STORMFIELD_OT_bake(JobOperator, bpy.types.Operator):
 
     bl_idname = "stormfield.bake"
     bl_label = "Bake"
-    bl_options = {"UNDO"}
+    bl_options = {"REGISTER", "UNDO"}
     job_title = "Baking"
 
     @classmethod

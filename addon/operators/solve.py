@@ -23,7 +23,7 @@ class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
 
     bl_idname = "stormfield.solve"
     bl_label = "Solve"
-    bl_options = {"UNDO"}
+    bl_options = {"REGISTER", "UNDO"}
     job_title = "Solving"
 
     @classmethod
