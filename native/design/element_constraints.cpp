@@ -23,9 +23,12 @@ void throwContradiction(const std::vector<DesignElement>& elements, const Target
                    ": move one away, make a radius smaller, or let them act at different lambda");
 }
 
-/// Whether they share a lambda; their fading ends may overlap all the same.
+/// Whether they share more of lambda than an end; their fading ends may overlap all the same.
 bool actTogether(const DesignElement& a, const DesignElement& b) {
-  return std::max(a.lambdas.front(), b.lambdas.front()) <= std::min(a.lambdas.back(), b.lambdas.back());
+  const double first = std::max(a.lambdas.front(), b.lambdas.front());
+  const double last = std::min(a.lambdas.back(), b.lambdas.back());
+  const bool instant = a.lambdas.front() == a.lambdas.back() || b.lambdas.front() == b.lambdas.back();
+  return first < last || (instant && first == last);
 }
 
 /// Cores of elements that are not singular must not ask for vectors more than a right angle apart; singular elements
