@@ -193,7 +193,7 @@ TEST(Streamline, NeverLeavesAndNeverLoopsForEver) {
       seeds.push_back(vertexPoint(charts->mesh(), v));
     }
     for (const BoundaryRule rule : {BoundaryRule::Stop, BoundaryRule::Slide}) {
-      const TraceOptions options{.maximalTime = 20.0, .boundary = rule, .maximalSteps = 20000};
+      const TraceOptions options{.maximalTime = 20.0, .boundary = rule, .maximalSteps = 4000};
       const Traces traces = traceStreamlines(faces, field, seeds, options);
       for (std::size_t i = 0; i < seeds.size(); ++i) {
         EXPECT_LE(traces.ends[i].steps, options.maximalSteps + 1);
