@@ -4,7 +4,7 @@
 
 Pictures: empty (a mesh without field), solved (strokes, fixed points, legend), arrows, solving (a solve that runs),
 draw (a curve drawn on the
-surface), panels (the lower half of the sidebar).
+surface), monkey (several components and boundaries), panels (the lower half of the sidebar).
 The compiled core is taken from out/build-*, the add-on from this tree.
 """
 
@@ -111,7 +111,7 @@ def picture():
         bpy.ops.mesh.primitive_monkey_add()
         set_up_view()
         return
-    if PICTURE == "draw":
+    if PICTURE in {"draw", "monkey"}:
         bpy.ops.mesh.primitive_monkey_add()
         bpy.ops.object.shade_smooth()
         bpy.ops.object.modifier_add(type="SUBSURF")
@@ -122,7 +122,19 @@ def picture():
         area.spaces.active.region_3d.view_rotation = Euler((1.35, 0.0, 0.35)).to_quaternion()
         area.spaces.active.region_3d.view_distance = 5.0
         with bpy.context.temp_override(area=area, region=area.regions[-1]):
-            bpy.ops.stormfield.draw_element("EXEC_DEFAULT", type="streamline")
+            if PICTURE == "draw":
+                bpy.ops.stormfield.draw_element("EXEC_DEFAULT", type="streamline")
+                return
+            for place, kind in (
+                ((0, -1, 0.5), "vortex_ccw"),
+                ((0.8, -0.6, 0.2), "spiral_in_cw"),
+                ((0, -1, -1), "source"),
+            ):
+                bpy.context.scene.cursor.location = place
+                bpy.ops.stormfield.place_element("EXEC_DEFAULT", kind=kind)
+            bpy.context.scene.cursor.location = (0, 0, 0)
+            bpy.context.object.stormfield.solve.samples = 10
+            print("solve", bpy.ops.stormfield.solve("EXEC_DEFAULT"))
         return
     from stormfield.presets import storm_merge
 

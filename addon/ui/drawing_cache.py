@@ -12,6 +12,8 @@ from .field_drawing import Surface
 
 #: A storm whose in- or outflow is less than this part of its turning is shown as a center, as it was meant.
 CENTER_TOLERANCE = 0.05
+#: Below this part of the highest speed there is no field (a part of the mesh without element), and nothing to mark.
+NO_FIELD = 1e-6
 
 
 EMPTY = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int32))
@@ -116,9 +118,12 @@ def _draw(entry: _Entry, values: np.ndarray, settings) -> Drawing:
             colours = np.repeat(_colours(speed, settings.opacity), 6, axis=0).reshape(-1, 2, 4)
     points = []
     if settings.show_fixed_points and entry.mesh is not None:
+        speed = np.linalg.norm(values, axis=1)
+        still = NO_FIELD * speed.max(initial=0.0)
         flow = native.VectorField.from_space(entry.mesh, values)
         for point in native.fixed_points(flow, relative_tolerance=CENTER_TOLERANCE):
-            points.append((point.kind, np.asarray(point.position)))
+            if speed[surface.triangles[point.face]].max() > still:
+                points.append((point.kind, np.asarray(point.position)))
     return Drawing(lines, colours, points, entry.note)
 
 

@@ -90,6 +90,15 @@ def test_fixed_points_come_from_the_attribute_on_the_mesh(ball, show):
     assert np.allclose(sorted(float(p[2]) for _kind, p in drawing.points), [-1, 1], atol=0.02)
 
 
+def test_parts_of_the_mesh_without_field_have_no_marks(show):
+    bpy.ops.mesh.primitive_monkey_add()  # head and two eyes
+    monkey = bpy.context.object
+    bpy.ops.stormfield.add_field()
+    values = np.zeros((len(monkey.data.vertices), 3))
+    drawing = show(values, monkey)
+    assert drawing.points == [] and drawing.note == ""
+
+
 def test_a_drawing_is_kept_until_something_changes(ball, show):
     turning = np.cross([0.0, 0.0, 1.0], vertices(ball))
     first = show(turning)
