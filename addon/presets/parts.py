@@ -142,7 +142,7 @@ def set_world(scene: bpy.types.Scene, color: Point, strength: float = 1.0) -> No
 
 def set_cycles(scene: bpy.types.Scene, samples: int, bounces: int = 0, denoise: bool = False) -> None:
     """Cycles with a fixed number of samples. No bounces: direct light only, as for a body in space."""
-    scene.render.engine = "CYCLES"
+    scene.render.engine = "CYCLES"  # type: ignore[assignment]
     scene.render.use_persistent_data = True
     cycles = scene.cycles
     cycles.samples, cycles.max_bounces, cycles.use_denoising = samples, bounces, denoise

@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Sequence
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 import bpy
 
@@ -252,7 +252,7 @@ def node_group(name: str) -> Callable[[Callable[[Tree], None]], Callable[[], bpy
             for known in bpy.data.node_groups:
                 if known.get("stormfield") == mark:
                     return known
-            made = bpy.data.node_groups.new(name, "ShaderNodeTree")
+            made = cast(bpy.types.NodeTree, bpy.data.node_groups.new(name, "ShaderNodeTree"))
             made["stormfield"] = mark
             fill(Tree(made))
             return made
