@@ -96,7 +96,9 @@ class Iteration {
     double rz = 0.0;
     for (bool start = true; !finished(); start = false) {
       const double previous = rz;
-      rz = multigrid_.apply(r_, z_.data());
+      multigrid_.apply(r_, z_.data());
+      rz = sumOverChunks(
+          [&](std::size_t at, std::size_t size) { return kernels::dotRow(r_ + at, z_.data() + at, size); });
       const float beta = start ? 0.0f : static_cast<float>(rz / previous);
       sumOverChunks([&](std::size_t at, std::size_t size) {
         kernels::scaleAndAdd(beta, z_.data() + at, p_.data() + at, size);

@@ -3,13 +3,14 @@
 namespace stormfield {
 
 LambdaGrid finestLambdaGrid(Index samples) {
-  return {std::vector<float>(samples, 1.0f), std::vector<float>(samples > 0 ? samples - 1 : 0, 1.0f)};
+  return {std::vector<float>(samples, 1.0f), 1.0f};
 }
 
 LambdaGrid coarsened(const LambdaGrid& fine) {
   const Index n = fine.samples();
   const Index coarse = (n + 1) / 2;
-  LambdaGrid result{std::vector<float>(coarse, 0.0f), std::vector<float>(coarse > 0 ? coarse - 1 : 0, 0.0f)};
+  // Two fine couplings meet the halved difference each: 2 * (1/2)^2.
+  LambdaGrid result{std::vector<float>(coarse, 0.0f), 0.5f * fine.coupling};
   for (Index j = 0; j < n; ++j) {
     if (j % 2 == 0) {
       result.mass[j / 2] += fine.mass[j];
@@ -19,9 +20,6 @@ LambdaGrid coarsened(const LambdaGrid& fine) {
       result.mass[j / 2] += 0.5f * fine.mass[j];
       result.mass[j / 2 + 1] += 0.5f * fine.mass[j];
     }
-  }
-  for (Index c = 0; c + 1 < coarse; ++c) {
-    result.coupling[c] = 0.25f * (fine.coupling[2 * c] + fine.coupling[2 * c + 1]);
   }
   return result;
 }

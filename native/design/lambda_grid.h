@@ -12,8 +12,8 @@
 namespace stormfield {
 
 struct LambdaGrid {
-  std::vector<float> mass;      ///< per sample
-  std::vector<float> coupling;  ///< between sample j and j + 1
+  std::vector<float> mass;  ///< per sample
+  float coupling = 1.0f;    ///< between neighbouring samples
 
   Index samples() const { return static_cast<Index>(mass.size()); }
   /// Floats in a row of complex values; rows are padded to whole vector registers, and the padding stays zero.

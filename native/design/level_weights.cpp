@@ -81,37 +81,34 @@ LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, cons
 FieldBuffer inversePivots(const SurfaceLevel& level, const LevelWeights& weights) {
   const LambdaGrid& lambda = level.lambda;
   const Index samples = lambda.samples();
+  const Index middle = samples / 2;
   FieldBuffer inverse(static_cast<std::size_t>(level.rows()) * samples);
-  const Index blocks = (level.rows() + kBlock - 1) / kBlock;
-  tbb::parallel_for(Index{0}, blocks, [&](Index block) {
+  tbb::parallel_for(Index{0}, level.sweep.chunks(), [&](Index chunk) {
     std::vector<double> pivot(samples);
-    for (Index i = block * kBlock; i < std::min(level.rows(), (block + 1) * kBlock); ++i) {
+    const Index first = level.sweep.chunkStart[chunk];
+    for (Index i = first; i < level.sweep.chunkStart[chunk + 1]; ++i) {
       const double k = level.lambdaCoupling[i];
       for (Index j = 0; j < samples; ++j) {
-        const double before = j > 0 ? lambda.coupling[j - 1] : 0.0;
-        const double after = j + 1 < samples ? lambda.coupling[j] : 0.0;
-        pivot[j] = static_cast<double>(level.diagonal[i]) * lambda.mass[j] + k * (before + after);
+        pivot[j] = static_cast<double>(level.diagonal[i]) * lambda.mass[j] + k * ((j > 0) + (j + 1 < samples));
       }
       for (std::size_t e = weights.start[i]; e < weights.start[i + 1]; ++e) {
         pivot[weights.entries[e].sample] += weights.entries[e].weight;
       }
-      float* out = inverse.data() + static_cast<std::size_t>(i) * samples;
-      const Index middle = samples / 2;
-      double top = 0.0;
-      for (Index j = 0; j < middle; ++j) {
-        const double one = guardedInverse(pivot[j] - top, pivot[j]);
-        out[j] = static_cast<float>(one);
-        const double c = k * lambda.coupling[j];
-        top = c * c * one;
-      }
-      double bottom = 0.0;
-      for (Index j = samples - 1; j > middle; --j) {
-        const double one = guardedInverse(pivot[j] - bottom, pivot[j]);
-        out[j] = static_cast<float>(one);
-        const double c = k * lambda.coupling[j - 1];
-        bottom = c * c * one;
-      }
-      out[middle] = static_cast<float>(guardedInverse(pivot[middle] - top - bottom, pivot[middle]));
+      // The two rows of a pair take turns in memory.
+      const bool pair = i < level.sweep.pairEnd[chunk];
+      const Index even = pair ? i - (i - first) % 2 : i;
+      float* out = inverse.data() + static_cast<std::size_t>(even) * samples + (i - even);
+      const Index step = pair ? 2 : 1;
+      auto eliminate = [&](Index j, double taken) {
+        const double one = guardedInverse(pivot[j] - taken, pivot[j]);
+        out[j * step] = static_cast<float>(one);
+        return k * k * one;
+      };
+      double above = 0.0;
+      for (Index j = 0; j < middle; ++j) above = eliminate(j, above);
+      double below = 0.0;
+      for (Index j = samples - 1; j > middle; --j) below = eliminate(j, below);
+      eliminate(middle, above + below);
     }
   });
   return inverse;

@@ -20,7 +20,7 @@ LevelWeights finestWeights(const ConstraintRows& constraints);
 /// Lumped: what the fine rows weigh is shared out with the interpolation weights. A fixed value weighs as much as the
 /// couplings it cuts.
 LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, const LambdaGrid& to);
-/// Reciprocal pivots of every row's line (kernels::solveLine), zero where the value is fixed.
+/// Reciprocal pivots of every row's line (kernels::solveLine, solveTwoLines), zero where the value is fixed.
 FieldBuffer inversePivots(const SurfaceLevel& level, const LevelWeights& weights);
 
 }  // namespace stormfield

@@ -2,6 +2,8 @@
 // neighbour rows, and the exact solve of one vertex's tridiagonal system in lambda.
 #pragma once
 
+#include <cstring>
+
 #include "design/lambda_grid.h"
 
 namespace stormfield::kernels {
@@ -78,64 +80,69 @@ inline void gatherRow(const CouplingOf<Real>* first, const CouplingOf<Real>* las
   for (; k < stride; k += 2 * kLanes) gatherBlock<2>(first, last, x, stride, k, finish);
 }
 
-/// Solves T x = y in place, T tridiagonal with off-diagonals -coupling * grid coupling, by elimination from both ends
-/// towards the middle (two independent chains hide each other's latency). inverse: reciprocal pivots, 0 where the
-/// value is fixed at 0.
-inline void solveLine(const float* inverse, const float* gridCoupling, float coupling, Index samples, float* y) {
+/// Solves T x = y in place, T tridiagonal with the off-diagonals -coupling, by elimination from both ends towards the
+/// middle: two independent chains hide each other's latency. inverse: reciprocal pivots, 0 where the value is fixed at
+/// 0.
+inline void solveLine(const float* inverse, float coupling, Index samples, float* y) {
   const Index middle = samples / 2;
-  float tr = 0.0f, ti = 0.0f, br = 0.0f, bi = 0.0f;
-  Index top = 0;
-  Index bottom = samples - 1;
+  auto eliminate = [&](Index from, Index to) {
+    const float factor = coupling * inverse[from];
+    y[2 * to] += factor * y[2 * from];
+    y[2 * to + 1] += factor * y[2 * from + 1];
+  };
+  auto substitute = [&](Index from, Index to) {
+    y[2 * to] = inverse[to] * (y[2 * to] + coupling * y[2 * from]);
+    y[2 * to + 1] = inverse[to] * (y[2 * to + 1] + coupling * y[2 * from + 1]);
+  };
+  for (Index j = 0; j < middle; ++j) eliminate(j, j + 1);
+  for (Index j = samples - 1; j > middle; --j) eliminate(j, j - 1);
+  y[2 * middle] *= inverse[middle];
+  y[2 * middle + 1] *= inverse[middle];
+  for (Index j = middle - 1; j >= 0; --j) substitute(j + 1, j);
+  for (Index j = middle + 1; j < samples; ++j) substitute(j - 1, j);
+}
+
+/// {p0, p0, p1, p1}
+inline void loadTwice(const float* p, Vector& v) {
+  double both;
+  std::memcpy(&both, p, sizeof both);
+  const VectorOf<double> pair = {both, 0.0};
+  std::memcpy(&v, &pair, sizeof v);
+  v = __builtin_shufflevector(v, v, 0, 0, 1, 1);
+}
+
+/// The same for two lines at once. y: 4 floats per sample, the values of both lines; inverse: 2 per sample.
+inline void solveTwoLines(const float* inverse, float coupling0, float coupling1, Index samples, float* y) {
+  const Index middle = samples / 2;
+  const Vector coupling = {coupling0, coupling0, coupling1, coupling1};
+  Vector above = {}, below = {}, pivot;
+  // Keeps pivot * value, which the way back needs, and hands coupling * pivot * value on.
+  auto eliminate = [&](Index j, Vector& carried) {
+    loadTwice(inverse + 2 * j, pivot);
+    const Vector value = load(y + 4 * j) + carried;
+    carried = coupling * pivot * value;
+    store(y + 4 * j, pivot * value);
+  };
+  Index top = 0, bottom = samples - 1;
   for (; top < middle && bottom > middle; ++top, --bottom) {
-    tr += y[2 * top];
-    ti += y[2 * top + 1];
-    br += y[2 * bottom];
-    bi += y[2 * bottom + 1];
-    y[2 * top] = tr;
-    y[2 * top + 1] = ti;
-    y[2 * bottom] = br;
-    y[2 * bottom + 1] = bi;
-    const float lt = coupling * gridCoupling[top] * inverse[top];
-    const float lb = coupling * gridCoupling[bottom - 1] * inverse[bottom];
-    tr *= lt;
-    ti *= lt;
-    br *= lb;
-    bi *= lb;
+    eliminate(top, above);
+    eliminate(bottom, below);
   }
-  // An even number of samples leaves one more above the middle than below.
-  if (top < middle) {
-    tr += y[2 * top];
-    ti += y[2 * top + 1];
-    y[2 * top] = tr;
-    y[2 * top + 1] = ti;
-    const float lt = coupling * gridCoupling[top] * inverse[top];
-    tr *= lt;
-    ti *= lt;
+  if (top < middle) eliminate(top, above);
+  loadTwice(inverse + 2 * middle, pivot);
+  Vector up = pivot * (load(y + 4 * middle) + above + below);
+  Vector down = up;
+  store(y + 4 * middle, up);
+  auto substitute = [&](Index j, Vector& carried) {
+    loadTwice(inverse + 2 * j, pivot);
+    carried = load(y + 4 * j) + coupling * pivot * carried;
+    store(y + 4 * j, carried);
+  };
+  for (top = middle - 1, bottom = middle + 1; top >= 0 && bottom < samples; --top, ++bottom) {
+    substitute(top, up);
+    substitute(bottom, down);
   }
-  float xr = inverse[middle] * (y[2 * middle] + tr + br);
-  float xi = inverse[middle] * (y[2 * middle + 1] + ti + bi);
-  y[2 * middle] = xr;
-  y[2 * middle + 1] = xi;
-  float zr = xr, zi = xi;
-  Index up = middle - 1;
-  Index down = middle + 1;
-  for (; up >= 0 && down < samples; --up, ++down) {
-    const float lu = coupling * gridCoupling[up] * inverse[up];
-    const float ld = coupling * gridCoupling[down - 1] * inverse[down];
-    xr = inverse[up] * y[2 * up] + lu * xr;
-    xi = inverse[up] * y[2 * up + 1] + lu * xi;
-    zr = inverse[down] * y[2 * down] + ld * zr;
-    zi = inverse[down] * y[2 * down + 1] + ld * zi;
-    y[2 * up] = xr;
-    y[2 * up + 1] = xi;
-    y[2 * down] = zr;
-    y[2 * down + 1] = zi;
-  }
-  if (up >= 0) {
-    const float lu = coupling * gridCoupling[up] * inverse[up];
-    y[2 * up] = inverse[up] * y[2 * up] + lu * xr;
-    y[2 * up + 1] = inverse[up] * y[2 * up + 1] + lu * xi;
-  }
+  if (top >= 0) substitute(top, up);
 }
 
 }  // namespace stormfield::kernels

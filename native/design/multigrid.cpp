@@ -1,9 +1,6 @@
 #include "design/multigrid.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <numeric>
 
 #include <tbb/parallel_for.h>
 
@@ -51,19 +48,68 @@ std::vector<float> interleavedMass(const LambdaGrid& lambda) {
   return mass;
 }
 
-/// x_row = b_row - mass * (sum of couplings times neighbour rows), then the line solve.
-void relaxRow(const SurfaceLevel& level, const float* inverse, const float* mass, Index row, const Coupling* first,
-              const Coupling* last, const float* b, float* x) {
-  const std::size_t stride = level.lambda.stride();
-  float* own = x + row * stride;
-  const float* right = b + row * stride;
-  kernels::gatherRow(first, last, x, stride, [&](std::size_t k, const Vector& sum) {
-    kernels::store(own + k, kernels::load(right + k) - kernels::load(mass + k) * sum);
-  });
-  const Index samples = level.lambda.samples();
-  kernels::solveLine(inverse + static_cast<std::size_t>(row) * samples, level.lambda.coupling.data(),
-                     level.lambdaCoupling[row], samples, own);
-}
+/// Gauss-Seidel on one level: x_row solves its line for the values of its neighbours. Rows `whole` see all neighbours,
+/// else those before them only.
+class Relaxation {
+ public:
+  Relaxation(const SurfaceLevel& level, const float* inverse, const float* mass, const float* b, float* x, bool whole)
+      : level_(level),
+        inverse_(inverse),
+        mass_(mass),
+        b_(b),
+        x_(x),
+        whole_(whole),
+        stride_(level.lambda.stride()),
+        first_(stride_),
+        both_(2 * stride_) {}
+
+  void single(Index row) {
+    float* own = x_ + row * stride_;
+    gather(row, [&](std::size_t k, const Vector& value) { kernels::store(own + k, value); });
+    const Index samples = level_.lambda.samples();
+    kernels::solveLine(inverse_ + static_cast<std::size_t>(row) * samples, level_.lambdaCoupling[row], samples, own);
+  }
+
+  /// Rows row and row + 1, which share no edge.
+  void pair(Index row) {
+    gather(row, [&](std::size_t k, const Vector& value) { kernels::store(first_.data() + k, value); });
+    gather(row + 1, [&](std::size_t k, const Vector& value) {
+      const Vector other = kernels::load(first_.data() + k);
+      kernels::store(both_.data() + 2 * k, __builtin_shufflevector(other, value, 0, 1, 4, 5));
+      kernels::store(both_.data() + 2 * k + 4, __builtin_shufflevector(other, value, 2, 3, 6, 7));
+    });
+    const Index samples = level_.lambda.samples();
+    kernels::solveTwoLines(inverse_ + static_cast<std::size_t>(row) * samples, level_.lambdaCoupling[row],
+                           level_.lambdaCoupling[row + 1], samples, both_.data());
+    float* own = x_ + row * stride_;
+    for (std::size_t k = 0; k < stride_; k += 4) {
+      const Vector low = kernels::load(both_.data() + 2 * k);
+      const Vector high = kernels::load(both_.data() + 2 * k + 4);
+      kernels::store(own + k, __builtin_shufflevector(low, high, 0, 1, 4, 5));
+      kernels::store(own + stride_ + k, __builtin_shufflevector(low, high, 2, 3, 6, 7));
+    }
+  }
+
+ private:
+  /// Calls put(offset, b_row - mass * sum of couplings times neighbour rows).
+  template <typename Put>
+  void gather(Index row, const Put& put) const {
+    const Coupling* last = whole_ ? level_.couplings.end(row) : level_.couplings.entries.data() + level_.split[row];
+    const float* right = b_ + row * stride_;
+    kernels::gatherRow(level_.couplings.begin(row), last, x_, stride_, [&](std::size_t k, const Vector& sum) {
+      put(k, kernels::load(right + k) - kernels::load(mass_ + k) * sum);
+    });
+  }
+
+  const SurfaceLevel& level_;
+  const float* inverse_;
+  const float* mass_;
+  const float* b_;
+  float* x_;
+  bool whole_;
+  std::size_t stride_;
+  std::vector<float> first_, both_;
+};
 
 }  // namespace
 
@@ -87,10 +133,8 @@ Multigrid::Multigrid(const SurfaceHierarchy& hierarchy, const ConstraintRows& co
   }
 }
 
-double Multigrid::apply(const float* r, float* z) {
-  std::vector<double> dots(hierarchy_.levels.front().sweep.chunks(), 0.0);
-  cycle(0, r, z, &dots);
-  return std::accumulate(dots.begin(), dots.end(), 0.0);
+void Multigrid::apply(const float* r, float* z) {
+  cycle(0, r, z);
 }
 
 Multigrid::Products Multigrid::applyOperator(const float* p, float* q, const float* with) const {
@@ -134,7 +178,7 @@ Multigrid::Products Multigrid::applyOperator(const float* p, float* q, const flo
   return sum;
 }
 
-void Multigrid::cycle(std::size_t l, const float* b, float* x, std::vector<double>* dots) {
+void Multigrid::cycle(std::size_t l, const float* b, float* x) {
   const SurfaceLevel& level = hierarchy_.levels[l];
   LevelData& data = data_[l];
   const SweepOrder& sweep = level.sweep;
@@ -148,22 +192,18 @@ void Multigrid::cycle(std::size_t l, const float* b, float* x, std::vector<doubl
   auto forward = [&](bool fromZero) {
     for (Index colour = 0; colour < sweep.colours(); ++colour) {
       forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], parallel, progress_, [&](Index chunk) {
-        for (Index i = sweep.chunkStart[chunk]; i < sweep.chunkStart[chunk + 1]; ++i) {
-          const Coupling* last = fromZero ? couplings.entries.data() + level.split[i] : couplings.end(i);
-          relaxRow(level, inverse, mass.data(), i, couplings.begin(i), last, b, x);
-        }
+        Relaxation relax(level, inverse, mass.data(), b, x, !fromZero);
+        for (Index i = sweep.chunkStart[chunk]; i < sweep.pairEnd[chunk]; i += 2) relax.pair(i);
+        for (Index i = sweep.pairEnd[chunk]; i < sweep.chunkStart[chunk + 1]; ++i) relax.single(i);
       });
     }
   };
   auto backward = [&] {
     for (Index colour = sweep.colours() - 1; colour >= 0; --colour) {
       forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], parallel, progress_, [&](Index chunk) {
-        double dot = 0.0;
-        for (Index i = sweep.chunkStart[chunk + 1] - 1; i >= sweep.chunkStart[chunk]; --i) {
-          relaxRow(level, inverse, mass.data(), i, couplings.begin(i), couplings.end(i), b, x);
-          if (dots) dot += kernels::dotRow(b + i * stride, x + i * stride, stride);
-        }
-        if (dots) (*dots)[chunk] = dot;
+        Relaxation relax(level, inverse, mass.data(), b, x, true);
+        for (Index i = sweep.chunkStart[chunk + 1] - 1; i >= sweep.pairEnd[chunk]; --i) relax.single(i);
+        for (Index i = sweep.pairEnd[chunk] - 2; i >= sweep.chunkStart[chunk]; i -= 2) relax.pair(i);
       });
     }
   };
@@ -211,7 +251,7 @@ void Multigrid::cycle(std::size_t l, const float* b, float* x, std::vector<doubl
                          [&](std::size_t k, const Vector& sum) { kernels::store(out + k, sum); });
     }
   });
-  cycle(l + 1, data_[l + 1].b.data(), data_[l + 1].x.data(), nullptr);
+  cycle(l + 1, data_[l + 1].b.data(), data_[l + 1].x.data());
   forAllChunks(level, progress_, [&](Index chunk) {
     std::vector<float> line(nextStride);
     for (Index i = sweep.chunkStart[chunk]; i < sweep.chunkStart[chunk + 1]; ++i) {

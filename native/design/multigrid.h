@@ -14,8 +14,8 @@ class Multigrid {
  public:
   Multigrid(const SurfaceHierarchy& hierarchy, const ConstraintRows& constraints, const Progress& progress);
 
-  /// z = M r for rows of the finest level; returns the inner product of r and z (float rows, double sum).
-  double apply(const float* r, float* z);
+  /// z = M r for rows of the finest level.
+  void apply(const float* r, float* z);
   struct Products {
     double withImage = 0.0;  ///< inner product of `with` and q
     double image = 0.0;      ///< of q and q
@@ -32,7 +32,7 @@ class Multigrid {
     FieldBuffer x, b, residual;  ///< residual: of the rows here, restricted in lambda
   };
 
-  void cycle(std::size_t level, const float* b, float* x, std::vector<double>* dots);
+  void cycle(std::size_t level, const float* b, float* x);
 
   const SurfaceHierarchy& hierarchy_;
   const ConstraintRows& constraints_;

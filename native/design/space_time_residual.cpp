@@ -26,6 +26,20 @@ std::size_t paddedSamples(Index samples) {
   return (static_cast<std::size_t>(samples) + 1) / 2 * 2;
 }
 
+/// One sample of some vertices to or from their rows. Functions of their own, because the compiler would otherwise make
+/// the samples the inner loop, and every access a page of its own.
+[[gnu::noinline]] void gatherSample(const Complex* slice, const std::vector<Index>& vertices, Complex* rows,
+                                    std::size_t rowLength) {
+  for (const Index v : vertices) {
+    *rows = slice[v];
+    rows += rowLength;
+  }
+}
+[[gnu::noinline]] void scatterSample(const Complex* rows, std::size_t rowLength, const Index* vertices, Index count,
+                                     Complex* slice) {
+  for (Index i = 0; i < count; ++i) slice[vertices[i]] = rows[i * rowLength];
+}
+
 }  // namespace
 
 SpaceTimeResidual::SpaceTimeResidual(const SurfaceHierarchy& hierarchy, double lambdaCoupling,
@@ -81,10 +95,7 @@ double SpaceTimeResidual::evaluate(const ConstraintRows& constraints, const std:
     if (x.base) {
       std::vector<Index> from;
       for (const Index row : local) from.push_back(vertex_[row]);
-      for (Index j = 0; j < samples; ++j) {
-        const Complex* slice = x.base + j * vertices;
-        for (std::size_t i = 0; i < from.size(); ++i) scratch.x[i * padded + j] = slice[from[i]];
-      }
+      for (Index j = 0; j < samples; ++j) gatherSample(x.base + j * vertices, from, scratch.x.data() + j, padded);
     }
     for (std::size_t i = 0; i < local.size(); ++i) {
       const Index row = local[i];
@@ -103,8 +114,7 @@ double SpaceTimeResidual::evaluate(const ConstraintRows& constraints, const std:
     }
     if (field) {
       for (Index j = 0; j < samples; ++j) {
-        Complex* slice = field + j * vertices;
-        for (Index i = 0; i < own; ++i) slice[vertex_[first + i]] = scratch.x[i * padded + j];
+        scatterSample(scratch.x.data() + j, padded, vertex_.data() + first, own, field + j * vertices);
       }
     }
 

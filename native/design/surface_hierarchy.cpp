@@ -35,7 +35,7 @@ SurfaceLevel makeLevel(const SurfaceMatrix& matrix, SweepOrder sweep, const Lamb
     const auto last = matrix.column.begin() + matrix.start[i + 1];
     level.split.push_back(std::upper_bound(first, last, i) - matrix.column.begin());
     level.diagonal.push_back(static_cast<float>(matrix.diagonal[i]));
-    level.lambdaCoupling.push_back(static_cast<float>(lambdaCoupling * matrix.mass[i]));
+    level.lambdaCoupling.push_back(static_cast<float>(lambdaCoupling * lambda.coupling * matrix.mass[i]));
   }
   return level;
 }
@@ -44,8 +44,7 @@ SurfaceLevel makeLevel(const SurfaceMatrix& matrix, SweepOrder sweep, const Lamb
 bool lambdaIsStrong(const SurfaceMatrix& matrix, const LambdaGrid& lambda, double lambdaCoupling) {
   if (lambda.samples() < 4) return false;
   const double surface = std::accumulate(matrix.diagonal.begin(), matrix.diagonal.end(), 0.0) * lambda.mass[1];
-  const double along =
-      std::accumulate(matrix.mass.begin(), matrix.mass.end(), 0.0) * lambdaCoupling * lambda.coupling[1];
+  const double along = std::accumulate(matrix.mass.begin(), matrix.mass.end(), 0.0) * lambdaCoupling * lambda.coupling;
   return along >= 0.5 * surface;
 }
 

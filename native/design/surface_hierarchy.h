@@ -29,7 +29,7 @@ struct SurfaceLevel {
   CouplingRows couplings;             ///< off-diagonal part of L
   std::vector<std::size_t> split;     ///< first coupling of a row to a later row
   std::vector<float> diagonal;        ///< of L
-  std::vector<float> lambdaCoupling;  ///< per vertex
+  std::vector<float> lambdaCoupling;  ///< of neighbouring samples, per vertex
   CouplingRows prolongation;          ///< rows here, columns on the next level; empty on the last
   CouplingRows restriction;           ///< its adjoint
 

@@ -12,6 +12,7 @@ namespace stormfield {
 struct SweepOrder {
   std::vector<Index> order;        ///< row i of the new numbering is row order[i] of the old
   std::vector<Index> chunkStart;   ///< chunks + 1, in new rows
+  std::vector<Index> pairEnd;      ///< per chunk: rows from its start up to here are pairs, the rest are single
   std::vector<Index> colourStart;  ///< colours + 1, in chunks
 
   Index chunks() const { return static_cast<Index>(chunkStart.size()) - 1; }
