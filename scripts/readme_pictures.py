@@ -17,10 +17,10 @@ PICTURES = REPOSITORY / "docs" / "pictures"
 # Name of the picture: (example, its frames, columns, width of the picture)
 SHEETS = {
     "storm_merge": ("storm_merge", (34,), 1, 960),
-    "storm_merge_frames": ("storm_merge", (1, 34, 52, 90), 2, 1200),
-    "storm_on_suzanne": ("storm_on_suzanne", (30,), 1, 960),
-    "split": ("split", (12, 50, 90), 3, 1200),
-    "two_fields": ("two_fields", (4, 36, 70), 3, 1200),
+    "storm_merge_frames": ("storm_merge", (1, 34, 50, 80), 2, 1200),
+    "storm_on_suzanne": ("storm_on_suzanne", (24,), 1, 960),
+    "split": ("split", (8, 38, 68), 3, 1200),
+    "two_fields": ("two_fields", (4, 30, 58), 3, 1200),
 }
 GAP = 6  # pixels between the frames of a sheet
 

@@ -57,7 +57,7 @@ def _approach(bearing: float, distance: float, turn: float, steps: int = 25) -> 
 STORMS = (
     Storm("Storm West", _approach(190.0, 17.0, 80.0), (0.0, MERGE), 2.1, 0.11),
     Storm("Storm East", _approach(10.0, 17.0, 80.0), (0.0, MERGE), 2.3, 0.095),
-    Storm("Merged Storm", ((0.0, -20.0), (3.0, -20.0), (6.0, -20.5)), (MERGE, 1.0), 2.0, 0.125),
+    Storm("Merged Storm", ((0.0, -20.0), (3.0, -20.0), (6.0, -20.5)), (MERGE, 1.0), 1.7, 0.125),
 )
 
 
