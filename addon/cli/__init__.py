@@ -5,10 +5,12 @@ Modules are imported inside the commands, so that --help is quick and Blender is
 """
 
 from collections.abc import Sequence
+from typing import NoReturn
 
 import click
 
 from .. import __version__
+from .blender import leave
 from .faults import as_exit_status
 
 
@@ -25,6 +27,12 @@ def cli() -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs one command; returns the exit status."""
     return as_exit_status(lambda: cli.main(arguments, prog_name="stormfield", standalone_mode=False))
+
+
+def run() -> NoReturn:
+    """The console script: main(), and out of the process."""
+    status = main()
+    leave(status)
 
 
 from . import analyze, bake, info, solve  # noqa: E402, F401  (each adds its command to the group)

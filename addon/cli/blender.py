@@ -1,9 +1,11 @@
 """Loading what may bring Blender along, without letting it write into our output."""
 
+import atexit
 import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import NoReturn
 
 
 @contextmanager
@@ -19,6 +21,17 @@ def quiet() -> Iterator[None]:
         os.dup2(kept, 1)
         os.close(kept)
         os.close(nowhere)
+
+
+def leave(status: int) -> NoReturn:
+    """Ends the process. bpy 4.5 can wait for ever in its static destructors, for a thread that nobody ends; so with bpy
+    loaded they are left out, after everything that Python itself has to clean up."""
+    if "bpy" not in sys.modules:
+        sys.exit(status)
+    atexit._run_exitfuncs()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
 
 
 def load_core() -> None:
