@@ -3,7 +3,7 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from .convert import relocate
+from .convert import mirror, relocate
 from .operators import running
 from .ui import overlay
 
@@ -11,6 +11,11 @@ from .ui import overlay
 @persistent
 def move_caches_to_file(blend: str, *_):
     relocate.move_temporary_caches(blend)
+
+
+@persistent
+def keep_lambda_without_addon(*_):
+    mirror.mirror_all()
 
 
 @persistent
@@ -30,6 +35,7 @@ def mark_changed(_scene, depsgraph):
 
 HANDLERS = (
     ("save_pre", move_caches_to_file),
+    ("save_pre", keep_lambda_without_addon),
     ("load_pre", stop_job),
     ("load_post", forget_drawings),
     ("undo_post", forget_drawings),
