@@ -16,7 +16,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 PICTURES = REPOSITORY / "docs" / "pictures"
 # Name of the picture: (example, its frames, columns, width of the picture)
 SHEETS = {
-    "storm_merge": ("storm_merge", (34,), 1, 960),
+    "storm_merge": ("storm_merge", (1,), 1, 960),
     "storm_merge_frames": ("storm_merge", (1, 34, 50, 80), 2, 1200),
     "storm_on_suzanne": ("storm_on_suzanne", (24,), 1, 960),
     "split": ("split", (8, 38, 68), 3, 1200),

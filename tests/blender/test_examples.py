@@ -1,6 +1,5 @@
 """Every example runs in a process of its own, small, and its pictures show something that moves."""
 
-import os
 import re
 import subprocess
 import sys
@@ -17,9 +16,8 @@ SMALL = ("--frames", "3", "--percentage", "16", "--samples", "2", "--detail", "-
 
 
 def run(script: str, *options: str) -> str:
-    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(p for p in sys.path if p))
     command = [sys.executable, str(EXAMPLES / script), *options]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=600, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
