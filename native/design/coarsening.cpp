@@ -10,7 +10,7 @@ namespace stormfield {
 namespace {
 
 /// A neighbour is strong when its weight is at least this part of the row's largest.
-constexpr double kStrong = 0.25;
+constexpr double kStrong = 0.4;
 /// A fine vertex interpolates from its coarse neighbours alone when they carry this part of its strong weight.
 constexpr double kEnoughSupport = 0.45;
 /// Most terms of one interpolated vector.

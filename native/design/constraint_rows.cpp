@@ -1,8 +1,13 @@
 #include "design/constraint_rows.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <limits>
+#include <mutex>
+#include <utility>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include "base/message.h"
 
@@ -11,6 +16,10 @@ namespace {
 
 /// Hard values closer than this part of their length are the same.
 constexpr double kSameValue = 1e-9;
+
+bool differ(Complex a, Complex b) {
+  return std::abs(a - b) > kSameValue * std::max(std::abs(a), std::abs(b));
+}
 
 std::string elementName(const ConstraintSet& constraints, std::size_t k) {
   if (k < constraints.element.size()) {
@@ -79,39 +88,51 @@ ConstraintRows constraintRows(const ConstraintSet& constraints, const std::vecto
   }
 
   ConstraintRows result;
-  result.start.reserve(rows + 1);
-  result.entries.reserve(sorted.size());
-  const auto bySample = [&](std::size_t a, std::size_t b) { return constraints.sample[a] < constraints.sample[b]; };
-  for (std::size_t i = 0; i < rows; ++i) {
-    const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(start[i]);
-    const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(start[i + 1]);
-    if (!std::is_sorted(first, last, bySample)) std::stable_sort(first, last, bySample);
-    std::size_t hardBefore = 0;
-    for (auto it = first; it != last; ++it) {
-      const std::size_t k = *it;
-      const Index j = constraints.sample[k];
-      const Complex value = constraints.value[k];
-      const bool hard = std::isinf(constraints.weight[k]);
-      if (it == first || result.entries.back().sample != j) {
-        result.entries.push_back({j, 0.0, 0.0});
-      }
-      ConstraintRows::Entry& entry = result.entries.back();
-      if (hard) {
-        const double length = std::max(std::abs(value), std::abs(entry.pull));
-        if (entry.hard() && std::abs(entry.pull - value) > kSameValue * length) {
-          contradiction(constraints, hardBefore, k, samples);
+  result.start.assign(start.begin(), start.end() - 1);
+  result.stop.resize(rows);
+  result.entries.resize(sorted.size());
+  // Two constraints that contradict, of the first row that has any.
+  std::pair<std::size_t, std::size_t> fault;
+  std::atomic<std::size_t> faultyRow{rows};
+  std::atomic<bool> anyHard{false};
+  std::mutex faultMutex;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows, 512), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(start[i]);
+      const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(start[i + 1]);
+      const auto bySample = [&](std::size_t a, std::size_t b) { return constraints.sample[a] < constraints.sample[b]; };
+      if (!std::is_sorted(first, last, bySample)) std::stable_sort(first, last, bySample);
+      std::size_t count = start[i];
+      std::size_t hardBefore = 0;
+      for (auto it = first; it != last; ++it) {
+        const std::size_t k = *it;
+        const bool hard = std::isinf(constraints.weight[k]);
+        if (it == first || result.entries[count - 1].sample != constraints.sample[k]) {
+          result.entries[count++] = {constraints.sample[k], 0.0, 0.0};
         }
-        entry.weight = constraints.weight[k];
-        entry.pull = value;
-        hardBefore = k;
-        result.anyHard = true;
-      } else if (!entry.hard()) {
-        entry.weight += constraints.weight[k] * mass[i];
-        entry.pull += constraints.weight[k] * mass[i] * value;
+        ConstraintRows::Entry& entry = result.entries[count - 1];
+        if (hard) {
+          if (entry.hard() && differ(entry.pull, constraints.value[k])) {
+            const std::lock_guard lock(faultMutex);
+            if (i < faultyRow) {
+              faultyRow = i;
+              fault = {hardBefore, k};
+            }
+          }
+          entry.weight = constraints.weight[k];
+          entry.pull = constraints.value[k];
+          hardBefore = k;
+          anyHard = true;
+        } else if (!entry.hard()) {
+          entry.weight += constraints.weight[k] * mass[i];
+          entry.pull += constraints.weight[k] * mass[i] * constraints.value[k];
+        }
       }
+      result.stop[i] = count;
     }
-    result.start.push_back(result.entries.size());
-  }
+  });
+  if (faultyRow < rows) contradiction(constraints, fault.first, fault.second, samples);
+  result.anyHard = anyHard;
   return result;
 }
 

@@ -4,6 +4,8 @@
 // weight infinite, pull = its value.
 #pragma once
 
+#include <limits>
+
 #include "design/constraint.h"
 #include "design/surface_hierarchy.h"
 
@@ -17,12 +19,12 @@ struct ConstraintRows {
 
     bool hard() const { return weight == std::numeric_limits<double>::infinity(); }
   };
-  std::vector<std::size_t> start{0};
-  std::vector<Entry> entries;
+  std::vector<std::size_t> start, stop;  ///< of each row, into entries
+  std::vector<Entry> entries;            ///< in a row by sample, each sample once
   bool anyHard = false;
 
   const Entry* begin(Index row) const { return entries.data() + start[row]; }
-  const Entry* end(Index row) const { return entries.data() + start[row + 1]; }
+  const Entry* end(Index row) const { return entries.data() + stop[row]; }
 };
 
 /// rowOf: row of each mesh vertex (kNone for unused ones); mass: per row. Throws InputError, naming elements, when

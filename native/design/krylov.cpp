@@ -19,10 +19,12 @@ constexpr double kTrustedGain = 0.03;
 
 class Iteration {
  public:
-  Iteration(Multigrid& multigrid, float* r, float* e, double length, double target, int maxSteps, Progress& progress)
+  Iteration(Multigrid& multigrid, float* r, float* x, bool fromZero, double length, double target, int maxSteps,
+            Progress& progress)
       : multigrid_(multigrid),
         r_(r),
-        e_(e),
+        x_(x),
+        fromZero_(fromZero),
         first_(length),
         length_(length),
         target_(target),
@@ -66,10 +68,9 @@ class Iteration {
     ++steps_;
     progress_.report(std::clamp(std::log(length_ / first_) / std::log(target_ / first_), 0.0, 1.0));
   }
-  /// e += alpha direction
-  void advance(float alpha, const float* direction, float* e, std::size_t size) const {
-    if (steps_ == 0) std::fill(e, e + size, 0.0f);
-    kernels::addRow(alpha, direction, e, size);
+  void advance(float alpha, const float* direction, std::size_t at, std::size_t size) const {
+    if (fromZero_ && steps_ == 0) std::fill(x_ + at, x_ + at + size, 0.0f);
+    kernels::addRow(alpha, direction + at, x_ + at, size);
   }
 
   /// Returns false when the step was slow.
@@ -82,7 +83,7 @@ class Iteration {
     const double foreseen = std::sqrt(std::max(square, 0.0));
     const bool last = foreseen <= target_ && foreseen >= kTrustedGain * length_;
     const double sum = sumOverChunks([&](std::size_t at, std::size_t size) {
-      advance(alpha, z_.data() + at, e_ + at, size);
+      advance(alpha, z_.data(), at, size);
       if (last) return 0.0;
       kernels::addRow(-alpha, p_.data() + at, r_ + at, size);
       return kernels::dotRow(r_ + at, r_ + at, size);
@@ -108,7 +109,7 @@ class Iteration {
       if (!(curvature > 0.0)) return;
       const float alpha = static_cast<float>(rz / curvature);
       count(std::sqrt(sumOverChunks([&](std::size_t at, std::size_t size) {
-        advance(alpha, p_.data() + at, e_ + at, size);
+        advance(alpha, p_.data(), at, size);
         kernels::addRow(-alpha, z_.data() + at, r_ + at, size);
         return kernels::dotRow(r_ + at, r_ + at, size);
       })));
@@ -117,7 +118,8 @@ class Iteration {
 
   Multigrid& multigrid_;
   float* r_;
-  float* e_;
+  float* x_;
+  bool fromZero_;
   double first_, length_, target_;
   int maxSteps_, steps_ = 0;
   Progress& progress_;
@@ -126,9 +128,9 @@ class Iteration {
 
 }  // namespace
 
-int krylovSolve(Multigrid& multigrid, float* r, float* e, double length, double target, int maxSteps,
+int krylovSolve(Multigrid& multigrid, float* r, float* x, bool fromZero, double length, double target, int maxSteps,
                 Progress& progress) {
-  return Iteration(multigrid, r, e, length, target, maxSteps, progress).run();
+  return Iteration(multigrid, r, x, fromZero, length, target, maxSteps, progress).run();
 }
 
 }  // namespace stormfield

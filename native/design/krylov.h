@@ -12,9 +12,9 @@
 
 namespace stormfield {
 
-/// Solves A e = r until r, which is overwritten and has the length given, is as short as the target, or for so many
-/// steps. Returns their number. Buffers: two vectors.
-int krylovSolve(Multigrid& multigrid, float* r, float* e, double length, double target, int maxSteps,
+/// Adds the solution of A e = r to x (or writes it there, fromZero) until r, which is overwritten and has the length
+/// given, is as short as the target, or for so many steps. Returns their number. Buffers: two vectors.
+int krylovSolve(Multigrid& multigrid, float* r, float* x, bool fromZero, double length, double target, int maxSteps,
                 Progress& progress);
 
 }  // namespace stormfield

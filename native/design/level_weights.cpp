@@ -26,9 +26,15 @@ double guardedInverse(double pivot, double diagonal) {
 
 LevelWeights finestWeights(const ConstraintRows& constraints) {
   LevelWeights result;
-  result.start = constraints.start;
+  const std::size_t rows = constraints.start.size();
+  result.start.reserve(rows + 1);
   result.entries.reserve(constraints.entries.size());
-  for (const ConstraintRows::Entry& entry : constraints.entries) result.entries.push_back({entry.sample, entry.weight});
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t k = constraints.start[i]; k < constraints.stop[i]; ++k) {
+      result.entries.push_back({constraints.entries[k].sample, constraints.entries[k].weight});
+    }
+    result.start.push_back(result.entries.size());
+  }
   return result;
 }
 
@@ -99,8 +105,14 @@ FieldBuffer inversePivots(const SurfaceLevel& level, const LevelWeights& weights
       const Index even = pair ? i - (i - first) % 2 : i;
       float* out = inverse.data() + static_cast<std::size_t>(even) * samples + (i - even);
       const Index step = pair ? 2 : 1;
+      // Away from constraints the pivots soon repeat, and the division can be left out.
+      double lastPivot = -1.0, lastTaken = 0.0, one = 0.0;
       auto eliminate = [&](Index j, double taken) {
-        const double one = guardedInverse(pivot[j] - taken, pivot[j]);
+        if (pivot[j] != lastPivot || std::abs(taken - lastTaken) > 1e-10 * lastPivot) {
+          one = guardedInverse(pivot[j] - taken, pivot[j]);
+          lastPivot = pivot[j];
+          lastTaken = taken;
+        }
         out[j * step] = static_cast<float>(one);
         return k * k * one;
       };

@@ -35,6 +35,13 @@ std::size_t paddedSamples(Index samples) {
     rows += rowLength;
   }
 }
+[[gnu::noinline]] void gatherSample(const Complex* slice, const Index* vertices, Index count, double factor,
+                                    float* rows, std::size_t rowLength) {
+  for (Index i = 0; i < count; ++i, rows += rowLength) {
+    rows[0] = static_cast<float>(factor * slice[vertices[i]].real());
+    rows[1] = static_cast<float>(factor * slice[vertices[i]].imag());
+  }
+}
 [[gnu::noinline]] void scatterSample(const Complex* rows, std::size_t rowLength, const Index* vertices, Index count,
                                      Complex* slice) {
   for (Index i = 0; i < count; ++i) slice[vertices[i]] = rows[i * rowLength];
@@ -162,6 +169,21 @@ std::vector<Index> SpaceTimeResidual::localRows(Index chunk) const {
   rows.insert(rows.end(), halo_.begin() + static_cast<std::ptrdiff_t>(haloStart_[chunk]),
               halo_.begin() + static_cast<std::ptrdiff_t>(haloStart_[chunk + 1]));
   return rows;
+}
+
+void SpaceTimeResidual::toRows(const Complex* field, double scale, float* correction, const Progress& progress) const {
+  const LambdaGrid& lambda = hierarchy_.levels.front().lambda;
+  const std::size_t stride = lambda.stride();
+  tbb::parallel_for(Index{0}, hierarchy_.finest.chunks(), [&](Index chunk) {
+    progress.check();
+    const Index first = hierarchy_.finest.chunkStart[chunk];
+    const Index last = hierarchy_.finest.chunkStart[chunk + 1];
+    std::fill(correction + first * stride, correction + last * stride, 0.0f);
+    for (Index j = 0; j < lambda.samples(); ++j) {
+      gatherSample(field + static_cast<std::size_t>(j) * rowOf_.size(), vertex_.data() + first, last - first,
+                   1.0 / scale, correction + first * stride + 2 * j, stride);
+    }
+  });
 }
 
 void SpaceTimeResidual::add(const float* correction, double scale, Complex* base, const Progress& progress) const {

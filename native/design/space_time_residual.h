@@ -25,6 +25,8 @@ class SpaceTimeResidual {
   /// residualScale (rows, [row][sample]) where these are given.
   double evaluate(const ConstraintRows& constraints, const std::vector<char>& active, const Field& x, Complex* field,
                   float* residual, double residualScale, const Progress& progress) const;
+  /// correction = field / scale, rounded to single precision.
+  void toRows(const Complex* field, double scale, float* correction, const Progress& progress) const;
   /// base += scale * correction in place.
   void add(const float* correction, double scale, Complex* base, const Progress& progress) const;
 

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include "base/message.h"
 #include "design/connection_laplacian.h"
@@ -13,8 +17,10 @@ namespace {
 
 /// One run in single precision gains at most about this; what is left goes through the residual in double precision.
 constexpr double kSinglePrecisionGain = 1e-5;
+/// From this tolerance on a warm start may be rounded to single precision.
+constexpr double kRoundedTolerance = 1e-5;
 /// Room for the difference between the residual that is carried along and the true one.
-constexpr double kSafety = 0.9;
+constexpr double kSafety = 0.99;
 
 std::vector<double> uniformLambdas(Index samples) {
   std::vector<double> lambdas(samples, 0.0);
@@ -27,11 +33,18 @@ void checkWarmStart(const ParameterizedField& field, Index samples, Index vertic
     throw InputError(message("a warm start must have ", samples, " samples of lambda and ", vertices,
                              " vertices: solve without it"));
   }
-  for (const Complex value : field.values) {
-    if (!std::isfinite(value.real()) || !std::isfinite(value.imag())) {
-      throw InputError("the warm start has values that are not finite: solve without it");
-    }
-  }
+  const bool finite = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, field.values.size(), 1 << 15), true,
+      [&](const auto& range, bool before) {
+        // Not a number and infinities stay what they are in a sum of absolute values times zero.
+        double sum = 0.0;
+        for (std::size_t k = range.begin(); k != range.end(); ++k) {
+          sum += 0.0 * field.values[k].real() + 0.0 * field.values[k].imag();
+        }
+        return before && sum == 0.0;
+      },
+      std::logical_and<>());
+  if (!finite) throw InputError("the warm start has values that are not finite: solve without it");
 }
 
 }  // namespace
@@ -111,39 +124,47 @@ SpaceTimeResult SpaceTimeSolver::solve(const ConstraintSet& constraints, Progres
     return result;
   }
 
-  if (warmStart) x.base = warmStart->values.data();
   FieldBuffer r(system.floats());
+  FieldBuffer correction;
   double scale = rightSide;
+  bool fromZero = true;
+  if (warmStart && options_.tolerance >= kRoundedTolerance) {
+    // Rounded to single precision the start is as good, and needs no second look at the caller's array.
+    correction = FieldBuffer(system.floats());
+    system.residual.toRows(warmStart->values.data(), scale, correction.data(), progress);
+    x.correction = correction.data();
+    x.scale = scale;
+    fromZero = false;
+  } else if (warmStart) {
+    x.base = warmStart->values.data();
+  }
   result.residual = system.residual.evaluate(rows, active, x, nullptr, r.data(), scale, progress) / rightSide;
-  FieldBuffer e;
   std::unique_ptr<Multigrid> multigrid;
   for (int run = 0; result.residual > options_.tolerance || run == 0; ++run) {
     const double before = result.residual;
     if (before > options_.tolerance) {
-      if (!multigrid) {
-        e = FieldBuffer(system.floats());
-        multigrid = std::make_unique<Multigrid>(system.hierarchy, rows, progress);
-        x.correction = e.data();
-      }
+      if (!multigrid) multigrid = std::make_unique<Multigrid>(system.hierarchy, rows, progress);
+      if (correction.size() == 0) correction = FieldBuffer(system.floats());
       const double unit = rightSide / scale;
       const double target = std::max(kSafety * options_.tolerance, kSinglePrecisionGain * before);
-      result.iterations += krylovSolve(*multigrid, r.data(), e.data(), before * unit, target * unit,
+      result.iterations += krylovSolve(*multigrid, r.data(), correction.data(), fromZero, before * unit, target * unit,
                                        options_.maxIterations - result.iterations, progress);
+      x.correction = correction.data();
     }
     x.scale = scale;
     if (run == 0) {
       allocateField();
       result.residual =
           system.residual.evaluate(rows, active, x, result.field.values.data(), nullptr, 1.0, progress) / rightSide;
-      x.base = result.field.values.data();
     } else {
-      system.residual.add(e.data(), scale, result.field.values.data(), progress);
+      system.residual.add(correction.data(), scale, result.field.values.data(), progress);
     }
     if (run > 0 || result.residual > options_.tolerance) {
-      x.correction = nullptr;
+      // What is left is solved for anew, from the residual in double precision.
+      x = {result.field.values.data(), nullptr, 1.0};
+      fromZero = true;
       scale = rightSide * std::max(result.residual, 1e-300);
       result.residual = system.residual.evaluate(rows, active, x, nullptr, r.data(), scale, progress) / rightSide;
-      x.correction = e.data();
     }
     if (result.residual > options_.tolerance &&
         (result.residual > 0.5 * before || result.iterations >= options_.maxIterations)) {

@@ -7,6 +7,10 @@
 #include <limits>
 #include <string>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "../design/storm_constraints.h"
 #include "../tracing/surfaces.h"
 #include "design/even_speed.h"
@@ -43,6 +47,9 @@ double processBytes(const std::string& name) {
 /// Bytes that run needs at its peak beyond what is there before.
 template <typename Run>
 double peakBytes(const Run& run) {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
   std::ofstream("/proc/self/clear_refs") << 5;
   const double before = processBytes("VmRSS");
   run();
