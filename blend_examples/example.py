@@ -11,6 +11,8 @@ import argparse
 import importlib
 import sys
 import time
+import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -121,6 +123,27 @@ def render(options: Options, name: str, still: int) -> list[Path]:
     if options.film and len(paths) > 1:
         print(f"film: {write_film(paths, options.out / f'{name}.mp4', scene.render.fps)}", flush=True)
     return paths
+
+
+def run(main: Callable[[], None]) -> None:
+    """An example as a program. In Blender itself it only returns; the module bpy is left as `stormfield` leaves it."""
+    if not bpy.app.module:
+        main()
+        return
+    status: object = 0
+    try:
+        main()
+    except SystemExit as end:
+        status = end.code or 0
+        if isinstance(status, str):
+            print(status, file=sys.stderr)
+    except BaseException:
+        status = 1
+        traceback.print_exc()
+    status = status if isinstance(status, int) else 1
+    if hasattr(bpy.types.Object, "stormfield"):
+        part("cli.blender").leave(status)
+    sys.exit(status)
 
 
 def write_film(pictures: list[Path], film: Path, fps: int) -> Path:
