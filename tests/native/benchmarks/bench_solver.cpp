@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <chrono>
+#include <ctime>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -19,20 +20,20 @@
 namespace stormfield {
 namespace {
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+/// Wall time, and processor time of all threads: their ratio shows how much other work the machine has.
+struct Time {
+  double wall = std::numeric_limits<double>::infinity();
+  double processor = std::numeric_limits<double>::infinity();
+};
 
-/// Shortest of several runs.
+/// Takes the shortest of this run and those before.
 template <typename Run>
-double timed(int repeats, const Run& run) {
-  double best = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < repeats; ++k) {
-    const double start = seconds();
-    run();
-    best = std::min(best, seconds() - start);
-  }
-  return best;
+void time(Time& best, const Run& run) {
+  const auto wall = std::chrono::steady_clock::now();
+  const std::clock_t processor = std::clock();
+  run();
+  best.processor = std::min(best.processor, static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
+  best.wall = std::min(best.wall, std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count());
 }
 
 /// A line of /proc/self/status in bytes, 0 where there is none.
@@ -76,40 +77,46 @@ void SolveStorms(benchmark::State& state) {
   const plain::PlainSolver plainSolver(*charts, options, before);
   std::vector<plain::Single> x(plainSolver.size(), 1.0f), y(plainSolver.size());
   Progress progress;
-  double sweep = std::numeric_limits<double>::infinity();
-  double cold = sweep, warm = sweep;
+  Time sweep, cold, warm, setup, plain;
   SpaceTimeResult first, second;
-  // Taken in turns, so that other load on the machine meets all three.
+  // Taken in turns, so that other load on the machine meets all of them.
   for (auto _ : state) {
-    sweep = std::min(sweep, timed(3, [&] { plainSolver.sweep(x, y); }));
-    cold = std::min(cold, timed(1, [&] { first = solver.solve(before, progress); }));
-    warm = std::min(warm, timed(1, [&] { second = solver.solve(after, progress, &first.field); }));
+    for (int k = 0; k < 3; ++k) time(sweep, [&] { plainSolver.sweep(x, y); });
+    time(cold, [&] { first = solver.solve(before, progress); });
+    time(warm, [&] { second = solver.solve(after, progress, &first.field); });
+    time(setup, [&] { SpaceTimeSolver(charts, options); });
   }
-  const double setup = timed(1, [&] { SpaceTimeSolver(charts, options); });
   int plainIterations = 0;
-  const double plainTime = timed(1, [&] { plainIterations = plainSolver.solve(options.tolerance); });
+  time(plain, [&] { plainIterations = plainSolver.solve(options.tolerance); });
   const double unknownVector = static_cast<double>(plainSolver.size()) * sizeof(plain::Single);
   second = {};
   state.counters["memory (vectors)"] =
       peakBytes([&] { second = solver.solve(after, progress, &first.field); }) / unknownVector;
-  state.counters["sweep ms"] = 1e3 * sweep;
-  state.counters["cold passes"] = cold / sweep;
+  state.counters["sweep ms"] = 1e3 * sweep.wall;
+  state.counters["cold ms"] = 1e3 * cold.wall;
+  state.counters["warm ms"] = 1e3 * warm.wall;
   state.counters["cold steps"] = first.iterations;
-  state.counters["cold residual"] = first.residual;
-  state.counters["warm passes"] = warm / sweep;
   state.counters["warm steps"] = second.iterations;
-  state.counters["warm residual"] = second.residual;
-  state.counters["hierarchy passes"] = setup / sweep;
-  state.counters["plain CG passes"] = plainTime / sweep;
   state.counters["plain CG steps"] = plainIterations;
+  state.counters["cold residual"] = first.residual;
+  state.counters["warm residual"] = second.residual;
+  auto passes = [&](const char* name, const Time& t) {
+    state.counters[std::string(name) + " passes"] = t.wall / sweep.wall;
+    state.counters[std::string(name) + " passes, processor"] = t.processor / sweep.processor;
+  };
+  passes("cold", cold);
+  passes("warm", warm);
+  passes("hierarchy", setup);
+  passes("plain CG", plain);
 }
 BENCHMARK(SolveStorms)->Args({20000, 100})->Unit(benchmark::kMillisecond)->Iterations(20);
 
-/// Exponents of the time of hierarchy and solve from 20k vertices x 20 samples to 1M x 20, and from 20k x 25 to 20k x
-/// 400.
+/// Exponents of the processor time of hierarchy and solve from 20k vertices x 20 samples to 1M x 20, and from 20k x 25
+/// to 20k x 400.
 void SolveGrowth(benchmark::State& state) {
   struct Run {
-    double unknowns, time;
+    double unknowns;
+    Time best;
   };
   auto measure = [](Index n, Index samples, int repeats) -> Run {
     const auto charts = surfaces::sphere(n);
@@ -117,17 +124,20 @@ void SolveGrowth(benchmark::State& state) {
     options.samples = samples;
     const ConstraintSet constraints = storms::storms(*charts, stormOptions(samples));
     Progress progress;
-    const double time = timed(repeats, [&] { SpaceTimeSolver(charts, options).solve(constraints, progress); });
-    return {static_cast<double>(charts->mesh().vertexCount()) * samples, time};
+    Time best;
+    for (int k = 0; k < repeats; ++k) {
+      time(best, [&] { SpaceTimeSolver(charts, options).solve(constraints, progress); });
+    }
+    return {static_cast<double>(charts->mesh().vertexCount()) * samples, best};
   };
   auto exponent = [](const Run& a, const Run& b) {
-    return std::log(b.time / a.time) / std::log(b.unknowns / a.unknowns);
+    return std::log(b.best.processor / a.best.processor) / std::log(b.unknowns / a.unknowns);
   };
   for (auto _ : state) {
     const Run small = measure(45, 20, 3), middle = measure(141, 20, 2), large = measure(316, 20, 1);
     state.counters["20k to 200k vertices"] = exponent(small, middle);
     state.counters["200k to 1M vertices"] = exponent(middle, large);
-    state.counters["1M x 20 s"] = large.time;
+    state.counters["1M x 20 s"] = large.best.wall;
     state.counters["25 to 400 samples"] = exponent(measure(45, 25, 3), measure(45, 400, 1));
   }
 }
