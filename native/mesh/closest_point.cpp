@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <queue>
 #include <unsupported/Eigen/BVH>
 #include <utility>
 
@@ -57,29 +58,58 @@ std::array<Vec3, 3> corners(const TriangleMesh& mesh, Index f) {
   return {mesh.point(mesh.vertex(f, 0)), mesh.point(mesh.vertex(f, 1)), mesh.point(mesh.vertex(f, 2))};
 }
 
-/// What Eigen::BVMinimize asks for.
+/// The closest of the faces seen so far; the first among equals.
 struct Minimizer {
-  using Scalar = double;
   const TriangleMesh& mesh;
   const Vec3& p;
   SurfacePoint best = {};
   double bestSquared = std::numeric_limits<double>::infinity();
 
-  double minimumOnVolume(const Box& box) const { return box.squaredExteriorDistance(p); }
-  double minimumOnObject(Index f) {
+  void see(Index f) {
     const OnTriangle candidate = closestOnTriangle(p, corners(mesh, f));
     if (candidate.squaredDistance < bestSquared) {
       bestSquared = candidate.squaredDistance;
       best = {f, candidate.barycentric};
     }
-    return candidate.squaredDistance;
   }
 };
+
+/// Sees the faces of the boxes in the order of their distance (Eigen::BVMinimize does, too, but goes on through boxes
+/// that are farther than what it has found). Some point is known to be within `bound` (squared). `rounding` is the
+/// error of distances: boxes that much farther than bound or best are looked into, so that the answer does not depend
+/// on when the search could have stopped.
+void minimize(const Bvh& bvh, double bound, double rounding, Minimizer& minimizer) {
+  const auto widened = [&](double squared) {
+    const double distance = std::sqrt(squared) + rounding;
+    return distance * distance;
+  };
+  using Entry = std::pair<double, Bvh::Index>;
+  std::vector<Entry> room;
+  room.reserve(64);
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> todo({}, std::move(room));
+  todo.emplace(0.0, bvh.getRootIndex());
+  double limit = widened(bound);
+  while (!todo.empty() && todo.top().first <= limit) {
+    Bvh::VolumeIterator box = nullptr, boxEnd = nullptr;
+    Bvh::ObjectIterator face = nullptr, faceEnd = nullptr;
+    bvh.getChildren(todo.top().second, box, boxEnd, face, faceEnd);
+    todo.pop();
+    if (face != faceEnd) {
+      for (; face != faceEnd; ++face) minimizer.see(*face);
+      limit = std::min(limit, widened(minimizer.bestSquared));
+    }
+    for (; box != boxEnd; ++box) {
+      const double distance = bvh.getVolume(*box).squaredExteriorDistance(minimizer.p);
+      if (distance <= limit && distance < minimizer.bestSquared) todo.emplace(distance, *box);
+    }
+  }
+}
 
 }  // namespace
 
 struct ClosestPointQuery::Tree {
   Bvh bvh;
+  double reach = 0.0;  ///< largest coordinate
 };
 
 ClosestPointQuery::ClosestPointQuery(std::shared_ptr<const TriangleMesh> mesh)
@@ -91,19 +121,28 @@ ClosestPointQuery::ClosestPointQuery(std::shared_ptr<const TriangleMesh> mesh)
     for (const Vec3& corner : corners(*mesh_, f)) boxes[f].extend(corner);
   }
   tree_->bvh.init(faces.begin(), faces.end(), boxes.begin(), boxes.end());
+  tree_->reach = mesh_->points().cwiseAbs().maxCoeff();
 }
 
 ClosestPointQuery::~ClosestPointQuery() = default;
 ClosestPointQuery::ClosestPointQuery(ClosestPointQuery&&) noexcept = default;
 
 ClosestPoint ClosestPointQuery::closest(const Vec3& p) const {
+  return search(p, std::numeric_limits<double>::infinity());
+}
+
+ClosestPoint ClosestPointQuery::closest(const Vec3& p, const SurfacePoint& nearby) const {
+  return search(p, closestOnTriangle(p, corners(*mesh_, nearby.face)).squaredDistance);
+}
+
+ClosestPoint ClosestPointQuery::search(const Vec3& p, double bound) const {
   if (!p.allFinite()) throw InputError("a query point has a coordinate that is not finite; give it a real position");
   Minimizer minimizer{*mesh_, p};
   // A tree of one object has no node to start from.
   if (mesh_->faceCount() == 1)
-    minimizer.minimumOnObject(0);
+    minimizer.see(0);
   else
-    Eigen::BVMinimize(tree_->bvh, minimizer);
+    minimize(tree_->bvh, bound, 1e-12 * (tree_->reach + p.cwiseAbs().maxCoeff()), minimizer);
   return {minimizer.best, std::sqrt(minimizer.bestSquared)};
 }
 

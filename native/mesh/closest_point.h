@@ -22,10 +22,14 @@ class ClosestPointQuery {
   ClosestPointQuery(ClosestPointQuery&&) noexcept;
 
   ClosestPoint closest(const Vec3& p) const;
+  /// The same answer, sooner where `nearby` is the closest point of a place not far from p.
+  ClosestPoint closest(const Vec3& p, const SurfacePoint& nearby) const;
   /// One result per row, in parallel.
   std::vector<ClosestPoint> closest(const Points& points) const;
 
  private:
+  ClosestPoint search(const Vec3& p, double bound) const;
+
   struct Tree;
   std::shared_ptr<const TriangleMesh> mesh_;
   std::unique_ptr<Tree> tree_;
