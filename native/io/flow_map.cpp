@@ -2,16 +2,22 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <thread>
 
 #include "base/error.h"
 #include "base/message.h"
 #include "field/interpolation.h"
+#include "io/slices.h"
 
 namespace stormfield {
 namespace {
+
+/// Pixels drawn between two looks at the progress.
+constexpr std::size_t kSlice = 16384;
+/// Rows that OpenEXR compresses together, and pixels that each of its threads gets between two looks at the progress.
+constexpr Index kBlock = 16, kBlockPixels = 65536;
 
 /// Largest finite 16 bit float.
 constexpr float kHalfMax = 65504.0f;
@@ -45,15 +51,22 @@ void checkHalf(const FlowMapImage& image) {
   }
 }
 
+Index rowsAtOnce(Index width) {
+  const auto threads = static_cast<Index>(std::max(1u, std::thread::hardware_concurrency()));
+  return kBlock * threads * std::max(Index{1}, kBlockPixels / (kBlock * width));
+}
+
 }  // namespace
 
-FlowMapImage flowMap(const VectorField& field, const FaceUvs& uvs, const UvRaster& raster, FlowMapBasis basis) {
+FlowMapImage flowMap(const VectorField& field, const FaceUvs& uvs, const UvRaster& raster, FlowMapBasis basis,
+                     Progress* progress) {
   const TriangleMesh& mesh = field.mesh();
   if (static_cast<Index>(uvs.size()) != mesh.faceCount()) {
     throw InputError("the UV layer and the field belong to different meshes; read both from the same mesh");
   }
-  FlowMapImage image{raster.width, raster.height, std::vector<float>(raster.points.size() * 4, 0.0f)};
-  tbb::parallel_for(std::size_t{0}, raster.points.size(), [&](std::size_t i) {
+  FlowMapImage image{raster.width, raster.height, {}};
+  resizeInSlices(image.pixels, raster.points.size() * 4, 0.0f, progress);
+  const auto draw = [&](std::size_t i) {
     const SurfacePoint& p = raster.points[i];
     if (p.face == kNone) return;
     const Vec3 vector = evaluate(field, p);
@@ -65,11 +78,14 @@ FlowMapImage flowMap(const VectorField& field, const FaceUvs& uvs, const UvRaste
       Eigen::Map<Eigen::Vector3f>{rgba} = vector.cast<float>();
     }
     rgba[3] = 1.0f;
+  };
+  inSlices(raster.points.size(), kSlice, progress, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) draw(i);
   });
   return image;
 }
 
-std::string exrBytes(const FlowMapImage& image, bool half, const Metadata& metadata) {
+std::string exrBytes(const FlowMapImage& image, bool half, const Metadata& metadata, Progress* progress) {
   namespace oiio = OIIO;
   if (half) checkHalf(image);
   oiio::ImageSpec spec(image.width, image.height, 4, half ? oiio::TypeHalf : oiio::TypeFloat);
@@ -82,8 +98,16 @@ std::string exrBytes(const FlowMapImage& image, bool half, const Metadata& metad
   std::vector<unsigned char> bytes;
   oiio::Filesystem::IOVecOutput memory(bytes);
   const auto output = oiio::ImageOutput::create("flow.exr", &memory);
-  const bool done = output && output->open("flow.exr", spec) &&
-                    output->write_image(oiio::TypeFloat, image.pixels.data()) && output->close();
+  bool done = output && output->open("flow.exr", spec);
+  const Index rows = rowsAtOnce(image.width);
+  for (Index y = 0; done && y < image.height; y += rows) {
+    if (progress) progress->check();
+    const Index end = std::min(y + rows, image.height);
+    const float* from = image.pixels.data() + std::size_t{4} * y * image.width;
+    done = output->write_scanlines(y, end, 0, oiio::TypeFloat, from);
+    if (progress) progress->report(static_cast<double>(end) / image.height);
+  }
+  done = done && output->close();
   if (!done)
     throw std::runtime_error("OpenImageIO cannot write EXR: " + (output ? output->geterror() : oiio::geterror()));
   return {bytes.begin(), bytes.end()};

@@ -29,11 +29,13 @@ struct FlowMapImage {
 /// Text and numbers for the file's header: name -> text.
 using Metadata = std::map<std::string, std::string>;
 
-/// Throws InputError when field, UV layer and raster do not belong to one mesh.
-FlowMapImage flowMap(const VectorField& field, const FaceUvs& uvs, const UvRaster& raster, FlowMapBasis basis);
+/// Throws InputError when field, UV layer and raster do not belong to one mesh; Cancelled.
+FlowMapImage flowMap(const VectorField& field, const FaceUvs& uvs, const UvRaster& raster, FlowMapBasis basis,
+                     Progress* progress = nullptr);
 
 /// An OpenEXR file in memory: RGBA, 32 bit float or (half) 16 bit, ZIP, metadata as string attributes. Equal input
-/// gives equal bytes. Throws InputError when a value cannot be held in 16 bits.
-std::string exrBytes(const FlowMapImage& image, bool half, const Metadata& metadata);
+/// gives equal bytes. Throws InputError when a value cannot be held in 16 bits;
+/// Cancelled.
+std::string exrBytes(const FlowMapImage& image, bool half, const Metadata& metadata, Progress* progress = nullptr);
 
 }  // namespace stormfield

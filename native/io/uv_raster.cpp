@@ -1,8 +1,5 @@
 #include "io/uv_raster.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/message.h"
+#include "io/slices.h"
 
 namespace stormfield {
 namespace {
@@ -18,6 +16,8 @@ using Vec2 = Eigen::Vector2d;
 
 /// Rows handled by one task; a face is seen by every band it touches, in face order, so no two tasks share a pixel.
 constexpr Index kBand = 16;
+/// Faces sorted between two looks at the progress.
+constexpr Index kBatch = 4096;
 /// A triangle this far (pixels) from a pixel's centre still touches its square.
 constexpr double kTouch = 0.70711;
 constexpr Index kMaxSize = 32768;
@@ -83,34 +83,40 @@ class Rasterizer {
       : uvs_(uvs), options_(options), progress_(progress) {
     raster_.width = options.width;
     raster_.height = options.height;
-    raster_.points.resize(pixelCount());
-    squaredDistance_.assign(pixelCount(), std::numeric_limits<float>::infinity());
-    overlaps_.assign(pixelCount(), 0);
+    resizeInSlices(raster_.points, pixelCount(), SurfacePoint(), progress);
+    resizeInSlices(squaredDistance_, pixelCount(), std::numeric_limits<float>::infinity(), progress);
+    resizeInSlices(overlaps_, pixelCount(), std::uint8_t{0}, progress);
   }
 
   UvRaster run() {
     sortIntoBands();
-    tbb::parallel_for(std::size_t{0}, bands_.size(), [&](std::size_t band) {
-      if (progress_) progress_->check();
-      drawBand(static_cast<Index>(band));
-    });
+    phase(0.0, 0.5);
+    inSlices(bands_.size(), 1, progress_, [&](std::size_t band, std::size_t) { drawBand(static_cast<Index>(band)); });
+    check();
     raster_.coveredPixels = static_cast<Index>(std::count(squaredDistance_.begin(), squaredDistance_.end(), 0.0f));
     raster_.overlappingPixels =
         static_cast<Index>(std::count_if(overlaps_.begin(), overlaps_.end(), [](auto n) { return n > 1; }));
     for (Index step = 0; step < options_.margin; ++step) {
-      if (progress_) progress_->check();
+      phase(0.5 + 0.5 * step / options_.margin, 0.5 + 0.5 * (step + 1) / options_.margin);
       grow();
     }
     return std::move(raster_);
   }
 
  private:
+  void check() const {
+    if (progress_) progress_->check();
+  }
+  void phase(double from, double to) const {
+    if (progress_) progress_->range(from, to);
+  }
   std::size_t pixelCount() const { return static_cast<std::size_t>(options_.width) * options_.height; }
   std::size_t pixel(Index x, Index y) const { return static_cast<std::size_t>(y) * options_.width + x; }
 
   void sortIntoBands() {
     bands_.resize((options_.height + kBand - 1) / kBand);
     for (Index f = 0; f < static_cast<Index>(uvs_.size()); ++f) {
+      if (f % kBatch == 0) check();
       const PixelTriangle t(uvs_[f], options_);
       const auto& uv = uvs_[f];
       raster_.outsideFaces += std::any_of(
@@ -144,6 +150,7 @@ class Rasterizer {
       const auto [top, bottom] = rows(t);
       const auto [left, right] = range(t, 0, options_.width);
       for (Index y = std::max(top, first); y <= std::min(bottom, last); ++y) {
+        check();
         for (Index x = left; x <= right; ++x) draw(f, t, x, y);
       }
     }
@@ -165,13 +172,22 @@ class Rasterizer {
 
   /// One ring of pixels more: each takes the closest of the faces its neighbours show.
   void grow() {
-    std::vector<SurfacePoint> next = raster_.points;
-    tbb::parallel_for(Index{0}, options_.height, [&](Index y) {
+    std::vector<std::vector<std::pair<Index, SurfacePoint>>> ring(options_.height);
+    const auto rows = [&](Progress* progress, const auto& body) {
+      inSlices(ring.size(), kBand, progress, [&](std::size_t first, std::size_t last) {
+        for (std::size_t y = first; y < last; ++y) body(static_cast<Index>(y));
+      });
+    };
+    rows(progress_, [&](Index y) {
       for (Index x = 0; x < options_.width; ++x) {
-        if (raster_.points[pixel(x, y)].face == kNone) next[pixel(x, y)] = closestOfNeighbours(x, y);
+        if (raster_.points[pixel(x, y)].face != kNone) continue;
+        const SurfacePoint shown = closestOfNeighbours(x, y);
+        if (shown.face != kNone) ring[y].emplace_back(x, shown);
       }
     });
-    raster_.points.swap(next);
+    rows(nullptr, [&](Index y) {
+      for (const auto& [x, shown] : ring[y]) raster_.points[pixel(x, y)] = shown;
+    });
   }
 
   SurfacePoint closestOfNeighbours(Index x, Index y) const {

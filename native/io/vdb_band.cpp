@@ -3,7 +3,6 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <cstdint>
@@ -14,6 +13,7 @@
 #include "base/error.h"
 #include "base/message.h"
 #include "field/interpolation.h"
+#include "io/slices.h"
 
 namespace stormfield {
 namespace {
@@ -22,13 +22,24 @@ using openvdb::FloatGrid;
 using openvdb::Vec3SGrid;
 
 constexpr double kMaxVoxels = 268435456.0;
+/// Voxels, leaves of 512 voxels, and bytes between two looks at the progress.
+constexpr std::size_t kVoxels = 1024, kLeaves = 16, kBytes = std::size_t{1} << 22;
+/// Where OpenVDB has built the band and the search for surface points begins, and where writing begins, of the whole.
+constexpr double kBuilt = 0.5, kFilled = 0.5;
+
+void check(const Progress* progress) {
+  if (progress) progress->check();
+}
 
 /// OpenVDB asks the interrupter while it builds the band.
 struct Interrupter {
   Progress* progress;
   void start(const char* = nullptr) {}
   void end() {}
-  bool wasInterrupted(int = -1) { return progress && progress->cancelled(); }
+  bool wasInterrupted(int percent = -1) {
+    if (progress && percent >= 0) progress->report(percent / 100.0);
+    return progress && progress->cancelled();
+  }
 };
 
 /// The mesh in the index space of the grids.
@@ -45,28 +56,50 @@ struct IndexSpaceMesh {
   }
 };
 
+/// Memory that looks at the progress whenever OpenVDB writes a leaf.
+class CancellableBuffer : public std::stringbuf {
+ public:
+  explicit CancellableBuffer(const Progress* progress) : std::stringbuf(std::ios_base::out), progress_(progress) {}
+
+ protected:
+  std::streamsize xsputn(const char* bytes, std::streamsize count) override {
+    check(progress_);
+    return std::stringbuf::xsputn(bytes, count);
+  }
+
+ private:
+  const Progress* progress_;
+};
+
 /// Writes a file, with the table of its grids, into memory.
 class MemoryArchive : public openvdb::io::Archive {
  public:
-  std::string bytes(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
-    std::ostringstream out(std::ios_base::binary);
+  std::string bytes(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata,
+                    const Progress* progress) const {
+    CancellableBuffer buffer(progress);
+    std::ostream out(&buffer);
+    // Or else the stream would keep Cancelled to itself.
+    out.exceptions(std::ios_base::badbit);
     Archive::write(out, grids, /*seekable=*/true, metadata);
     if (!out) throw std::runtime_error("OpenVDB could not write the file into memory");
-    return out.str();
+    return std::move(buffer).str();
   }
 };
 
-std::uint64_t fnv1a(const std::string& bytes, std::uint64_t hash) {
-  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211ull;
+std::uint64_t fnv1a(const std::string& bytes, std::uint64_t hash, const Progress* progress) {
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (i % kBytes == 0) check(progress);
+    hash = (hash ^ static_cast<unsigned char>(bytes[i])) * 1099511628211ull;
+  }
   return hash;
 }
 
 /// OpenVDB puts a random identifier into the header; a hash of the content makes equal content equal files.
-void makeDeterministic(std::string& file) {
+void makeDeterministic(std::string& file, const Progress* progress) {
   // Magic number (8 bytes), file version (4), library version (8), flag of the grid table (1); then 36 letters.
   constexpr std::size_t kAt = 21, kLength = 36;
   file.replace(kAt, kLength, kLength, '0');
-  const std::uint64_t a = fnv1a(file, 14695981039346656037ull), b = fnv1a(file, a);
+  const std::uint64_t a = fnv1a(file, 14695981039346656037ull, progress), b = fnv1a(file, a, progress);
   char id[kLength + 1];
   std::snprintf(id, sizeof id, "%08x-%04x-4%03x-8%03x-%012llx", static_cast<unsigned>(a >> 32),
                 static_cast<unsigned>(a >> 16 & 0xffff), static_cast<unsigned>(a & 0xfff),
@@ -88,7 +121,7 @@ struct VdbBand::Layout {
 
   /// A grid with the band's topology; value(i) fills voxel i.
   template <typename Grid, typename Value>
-  typename Grid::Ptr grid(const std::string& name, const Value& value) const {
+  typename Grid::Ptr grid(const std::string& name, Progress* progress, const Value& value) const {
     const typename Grid::ValueType zero(0);
     auto tree = std::make_shared<typename Grid::TreeType>(distance->tree(), zero, openvdb::TopologyCopy());
     const auto result = Grid::create(tree);
@@ -103,9 +136,11 @@ struct VdbBand::Layout {
       offsets.push_back(count);
       count += leaf->onVoxelCount();
     }
-    tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t l) {
-      std::size_t i = offsets[l];
-      for (auto voxel = leaves[l]->beginValueOn(); voxel; ++voxel) voxel.setValue(value(i++));
+    inSlices(leaves.size(), kLeaves, progress, [&](std::size_t first, std::size_t last) {
+      std::size_t i = offsets[first];
+      for (std::size_t l = first; l < last; ++l) {
+        for (auto voxel = leaves[l]->beginValueOn(); voxel; ++voxel) voxel.setValue(value(i++));
+      }
     });
     return result;
   }
@@ -135,22 +170,26 @@ VdbBand::VdbBand(std::shared_ptr<const TriangleMesh> mesh, const ClosestPointQue
   const auto width = static_cast<float>(options.halfWidth);
   const int flags = m.boundaryLoopCount() > 0 ? openvdb::tools::UNSIGNED_DISTANCE_FIELD : 0;
   Interrupter interrupter{progress};
+  if (progress) progress->range(0.0, kBuilt);
   layout->distance = openvdb::tools::meshToVolume<FloatGrid>(interrupter, IndexSpaceMesh{m, size}, *layout->transform(),
                                                              width, width, flags);
-  if (progress) progress->check();
+  check(progress);
   layout->distance->setName("sf_distance");
 
   std::vector<FloatGrid::TreeType::LeafNodeType*> leaves;
   layout->distance->tree().getNodes(leaves);
   for (const auto* leaf : leaves) {
+    check(progress);
     for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) layout->coords.push_back(voxel.getCoord());
   }
   layout->points.resize(layout->coords.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, layout->coords.size(), 4096), [&](const auto& part) {
-    if (progress) progress->check();
-    for (std::size_t i = part.begin(); i != part.end(); ++i) {
+  if (progress) progress->range(kBuilt, 1.0);
+  inSlices(layout->coords.size(), kVoxels, progress, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
       const openvdb::Coord& c = layout->coords[i];
-      layout->points[i] = query.closest(Vec3(Vec3(c.x(), c.y(), c.z()) * size)).point;
+      const Vec3 p = Vec3(c.x(), c.y(), c.z()) * size;
+      // Neighbours in the tree are neighbours in space.
+      layout->points[i] = (i == first ? query.closest(p) : query.closest(p, layout->points[i - 1])).point;
     }
   });
   layout_ = std::move(layout);
@@ -167,15 +206,21 @@ std::size_t VdbBand::voxelCount() const {
 }
 
 std::string VdbBand::bytes(const std::map<std::string, const VectorField*>& fields, const std::string& speedOf,
-                           const std::map<std::string, std::string>& metadata) const {
+                           const std::map<std::string, std::string>& metadata, Progress* progress) const {
   const Layout& layout = *layout_;
   openvdb::GridCPtrVec grids;
+  const double part = kFilled / static_cast<double>(fields.size() + 1);
+  const auto next = [&] {
+    const auto done = static_cast<double>(grids.size());
+    if (progress) progress->range(done * part, (done + 1.0) * part);
+    return progress;
+  };
   for (const auto& [name, field] : fields) {
     if (field->mesh().faceCount() != layout.mesh->faceCount()) {
       throw InputError(message("field ", name, " and the band belong to different meshes"));
     }
     const VectorField& f = *field;
-    const auto vectors = layout.grid<Vec3SGrid>(name, [&](std::size_t i) {
+    const auto vectors = layout.grid<Vec3SGrid>(name, next(), [&](std::size_t i) {
       const Vec3 v = evaluate(f, layout.points[i]);
       return openvdb::Vec3s(openvdb::Vec3d(v.x(), v.y(), v.z()));
     });
@@ -183,14 +228,14 @@ std::string VdbBand::bytes(const std::map<std::string, const VectorField*>& fiel
     grids.push_back(vectors);
     if (name == speedOf) {
       grids.push_back(layout.grid<FloatGrid>(
-          "sf_speed", [&](std::size_t i) { return static_cast<float>(evaluate(f, layout.points[i]).norm()); }));
+          "sf_speed", next(), [&](std::size_t i) { return static_cast<float>(evaluate(f, layout.points[i]).norm()); }));
     }
   }
   grids.push_back(layout.distance);
   openvdb::MetaMap header;
   for (const auto& [name, text] : metadata) header.insertMeta(name, openvdb::StringMetadata(text));
-  std::string file = MemoryArchive().bytes(grids, header);
-  makeDeterministic(file);
+  std::string file = MemoryArchive().bytes(grids, header, progress);
+  makeDeterministic(file, progress);
   return file;
 }
 

@@ -27,7 +27,8 @@ struct VdbBandOptions {
 
 class VdbBand {
  public:
-  /// Throws InputError on options out of range or a voxel size so small that the band has more than 2^28 voxels.
+  /// Throws InputError on options out of range or a voxel size so small that the band has more than 2^28 voxels;
+  /// Cancelled.
   VdbBand(std::shared_ptr<const TriangleMesh> mesh, const ClosestPointQuery& query, const VdbBandOptions& options,
           Progress* progress = nullptr);
   ~VdbBand();
@@ -37,9 +38,10 @@ class VdbBand {
   std::size_t voxelCount() const;
 
   /// An OpenVDB file in memory. `fields` names vec3 grids; the speed of field `speedOf`, where that is not empty,
-  /// becomes the grid sf_speed. Metadata goes to the file's header. Equal input gives equal bytes.
+  /// becomes the grid sf_speed. Metadata goes to the file's header. Equal input gives equal bytes. Throws
+  /// InputError when a field belongs to another mesh, Cancelled.
   std::string bytes(const std::map<std::string, const VectorField*>& fields, const std::string& speedOf,
-                    const std::map<std::string, std::string>& metadata) const;
+                    const std::map<std::string, std::string>& metadata, Progress* progress = nullptr) const;
 
  private:
   struct Layout;

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "io/flow_map.h"
+#include "io/stopping.h"
 
 namespace stormfield {
 namespace {
@@ -90,6 +91,21 @@ TEST(FlowMap, SixteenBitsRefuseWhatTheyCannotHold) {
   EXPECT_THROW(exrBytes(image, true, {}), InputError);
   image.pixels[5] = 1.0f;
   EXPECT_LT(exrBytes(image, true, {}).size(), 2000u);
+}
+
+TEST(FlowMap, StopsSoonWhileItDrawsAndCompresses) {
+  const Plane plane;
+  const VectorField field = plane.constant(plane.a);
+  const UvRaster raster = rasterizeUv(plane.charts->mesh(), plane.uvs, {2048, 2048, 0});
+  const auto draw = [&](Progress* p) { return flowMap(field, plane.uvs, raster, FlowMapBasis::Uv, p); };
+  for (const double fraction : {0.0, 0.3}) {
+    EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { draw(&p); }), kSoon);
+  }
+  FlowMapImage image = draw(nullptr);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] *= std::sin(static_cast<float>(i));
+  for (const double fraction : {0.0, 0.1, 0.5}) {
+    EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { exrBytes(image, false, {}, &p); }), kSoon);
+  }
 }
 
 TEST(FlowMap, AnotherMeshIsRefused) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "io/stopping.h"
 #include "io/uv_raster.h"
 
 namespace stormfield {
@@ -124,6 +125,13 @@ TEST(UvRaster, TheResultDoesNotDependOnTheThreadCount) {
   for (std::size_t i = 0; i < one.points.size(); ++i) {
     ASSERT_EQ(one.points[i].face, four.points[i].face);
     ASSERT_EQ(one.points[i].barycentric, four.points[i].barycentric);
+  }
+}
+
+TEST(UvRaster, StopsSoonInEveryPhase) {
+  const Sheet s = sheet(30, 0.7);
+  for (const double fraction : {0.0, 0.2, 0.4, 0.51, 0.6, 0.8}) {
+    EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { rasterizeUv(s.mesh, s.uvs, {2048, 2048, 16}, &p); }), kSoon);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "io/stopping.h"
 #include "io/vdb_band.h"
 
 namespace stormfield {
@@ -134,6 +135,21 @@ TEST(VdbBand, OpenSurfacesHaveAnUnsignedDistance) {
   const auto distance = openvdb::gridPtrCast<openvdb::FloatGrid>(grids.front());
   EXPECT_GT(distance->activeVoxelCount(), 100u);
   for (auto voxel = distance->cbeginValueOn(); voxel; ++voxel) EXPECT_GE(*voxel, 0.0f);
+}
+
+TEST(VdbBand, StopsSoonInEveryPhase) {
+  const auto charts = sphere(32);
+  const ClosestPointQuery query(charts->meshPointer());
+  const VectorField field = rotation(charts);
+  const VdbBandOptions fine{0.015, 4.0};
+  for (const double fraction : {0.0, 0.1, 0.3, 0.5, 0.6, 0.75}) {
+    EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { VdbBand(charts->meshPointer(), query, fine, &p); }), kSoon);
+  }
+  const VdbBand band(charts->meshPointer(), query, fine);
+  for (const double fraction : {0.0, 0.2, 0.3}) {
+    const auto write = [&](Progress& p) { band.bytes({{"sf_advection", &field}}, "sf_advection", {}, &p); };
+    EXPECT_LT(secondsToStop(fraction, write), kSoon);
+  }
 }
 
 TEST(VdbBand, BadInputIsRefused) {
