@@ -29,7 +29,10 @@ class ExrSettings:
 
 
 class FlowMapWriter:
-    """Draws one image per frame. Raises InputError when the UV layer is missing or shows nothing."""
+    """Draws one image per frame: prepare() and prepared() once, then draw() each.
+
+    Raises InputError when the UV layer is missing or shows nothing.
+    """
 
     def __init__(self, folder: Path, mesh: MeshData, frames, settings: ExrSettings, baked_from, *, resume: bool):
         layer = find_layer(mesh, settings.uv_layer)
@@ -45,17 +48,23 @@ class FlowMapWriter:
         self.store = CacheStore(folder, plan, resume=resume, replace=True)
         self._map: Any = None
 
-    def prepare(self, native_mesh, progress=None) -> list[str]:
-        """Finds what each pixel shows, once for all frames; returns remarks for the artist."""
+    def prepare(self, native_mesh):
+        """Begins, on other threads, to find what each pixel shows, once for all frames: a job for prepared()."""
         size, margin = self._settings.resolution, self._settings.margin
-        self._map = native.FlowMap(native_mesh, self._uvs, size, size, margin, progress)
+        return native.start_flow_map(native_mesh, self._uvs, size, size, margin)
+
+    def prepared(self, job) -> list[str]:
+        """Waits for the job of prepare(); returns remarks for the artist."""
+        self._map = job.result()
         return remarks(self._map, self._layer)
 
-    def write(self, index: int, field, lam: float) -> None:
-        """field: native.VectorField at λ, on the mesh given to prepare()."""
+    def draw(self, field, lam: float):
+        """Begins an image on other threads: a job whose result is the file's bytes, for store.write_bytes().
+
+        field: native.VectorField at λ, on the mesh given to prepare().
+        """
         settings = self._settings
-        data = self._map.exr(field, settings.basis, settings.half, self.metadata(lam))
-        self.store.write(index, lambda path: path.write_bytes(data))
+        return self._map.start_exr(field, settings.basis, settings.half, self.metadata(lam))
 
     def finish(self) -> bool:
         return self.store.finish({})

@@ -11,6 +11,7 @@ stays, so that the same call goes on from there. Caches are named by what made t
 again at once, another design gets another folder, and undo finds the earlier one.
 """
 
+import contextlib
 import hashlib
 import time
 from collections.abc import Callable, Generator, Iterable, Sequence
@@ -35,6 +36,8 @@ from .vdb import BandWriter, VdbSettings
 TARGETS = ("usd", "exr", "vdb")
 #: Where a solve is solved, and where writing begins, in parts of the whole.
 SOLVED, WRITING = 0.75, 0.85
+#: Where a flow map or volume is made, and its file begins, in parts of the whole.
+DRAWN = 0.9
 #: Files that are checked between two steps.
 LOOK = 8
 #: Seconds between two looks at a running solve, when nobody else paces it.
@@ -231,11 +234,13 @@ def _bake_exr(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[T
     if missing:
         yield Step(0.0, "Reading the UV layer")
         mesh = fields.native_mesh(task.mesh)
-        notes = writer.prepare(mesh)
-        for done, index in enumerate(missing):
-            yield Step(done / len(missing), f"Drawing the flow map of frame {task.frames[index]}")
+        notes = yield from _prepare(writer, mesh, len(missing), "Reading the UV layer")
+
+        def draw(index):
             sample = cache.at(task.lambdas[index])
-            writer.write(index, fields.field_at(sample, attribute, mesh), task.lambdas[index])
+            return writer.draw(fields.field_at(sample, attribute, mesh), task.lambdas[index])
+
+        yield from _draw(task, writer, missing, draw, "Drawing the flow map")
     return folder, notes, writer.finish()
 
 
@@ -247,13 +252,36 @@ def _bake_vdb(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[T
     if missing:
         yield Step(0.0, "Finding the voxels around the surface")
         mesh = fields.native_mesh(task.mesh)
-        notes = writer.prepare(mesh)
-        for done, index in enumerate(missing):
-            yield Step(done / len(missing), f"Writing the volume of frame {task.frames[index]}")
+        notes = yield from _prepare(writer, mesh, len(missing), "Finding the voxels around the surface")
+
+        def draw(index):
             sample = cache.at(task.lambdas[index])
             bands = {name: fields.field_at(sample, name, mesh) for name in fields.ATTRIBUTE.values()}
-            writer.write(index, bands, task.lambdas[index])
+            return writer.draw(bands, task.lambdas[index])
+
+        yield from _draw(task, writer, missing, draw, "Writing the volume")
     return folder, notes, writer.finish()
+
+
+def _prepare(writer: FlowMapWriter | BandWriter, mesh, frames: int, message: str) -> Steps[list[str]]:
+    """What all frames share; it counts as one frame more."""
+    running = writer.prepare(mesh)
+    yield from _until_done(running, 0.0, 1.0 / (frames + 1), message)
+    return writer.prepared(running)
+
+
+def _draw(task: BakeTask, writer: FlowMapWriter | BandWriter, missing: list[int], draw, words: str) -> Steps[None]:
+    """Makes each missing file on the core's threads, draw(index), and writes it in slices."""
+    for done, index in enumerate(missing, start=1):
+        start, end = done / (len(missing) + 1), (done + 1) / (len(missing) + 1)
+        drawn = _between(start, end, DRAWN)
+        message = f"{words} of frame {task.frames[index]}"
+        yield Step(start, message)
+        running = draw(index)
+        yield from _until_done(running, start, drawn, message)
+        with contextlib.closing(writer.store.write_bytes(index, running.result())) as slices:
+            for part in slices:
+                yield Step(_between(drawn, end, part), message)
 
 
 _TARGET_STEPS = {"usd": _bake_frames, "exr": _bake_exr, "vdb": _bake_vdb}

@@ -27,6 +27,8 @@ WriteFile = Callable[[Path], object]
 
 TEMPORARY = ".tmp-"
 CHECKSUM = ".sha256"
+#: Bytes that are written, hashed and brought to the disk at once.
+SLICE = 4 << 20
 #: A temporary file this old (seconds) has lost its writer.
 ABANDONED = 3600.0
 
@@ -74,6 +76,26 @@ class CacheStore:
         self._written.add(index)
         self._verified.add(self.names[index])
 
+    def write_bytes(self, index: int, data: bytes) -> Iterator[float]:
+        """write() in slices, yielding the part that is written; closing the iterator removes the file in work."""
+        with _disk_faults(self.folder):
+            self._reopen()
+            name, digest = self.names[index], hashlib.sha256()
+            with self._temporary(name) as temporary, temporary.open("wb") as file:
+                for start in range(0, len(data), SLICE):
+                    part = data[start : start + SLICE]
+                    file.write(part)
+                    digest.update(part)
+                    # The disk's own work in slices, too.
+                    file.flush()
+                    os.fsync(file.fileno())
+                    yield min(1.0, (start + SLICE) / len(data))
+                file.close()
+                self._write_checksum(name, digest.hexdigest())
+                temporary.replace(self.folder / name)
+        self._written.add(index)
+        self._verified.add(name)
+
     def finish(self, shared: Mapping[str, WriteFile]) -> bool:
         """Writes the shared files and the manifest; False (and nothing written) while samples are missing."""
         if self._finished():
@@ -116,22 +138,28 @@ class CacheStore:
         durable: content survives a power cut where the name does. Names are made to survive by finish(): until then a
         lost one is a missing sample.
         """
-        final = self.folder / name
-        temporary = final.with_name(f"{TEMPORARY}{socket.gethostname()}-{os.getpid()}-{final.name}")
-        try:
+        with self._temporary(name) as temporary:
             write_file(temporary)
             digest = sha256(temporary)
             if durable:
                 _sync(temporary)
             if checksum:
                 self._write_checksum(name, digest)
-            temporary.replace(final)
+            temporary.replace(self.folder / name)
+        return digest
+
+    @contextlib.contextmanager
+    def _temporary(self, name: str) -> Iterator[Path]:
+        """A path beside the file of that name, removed when the work on it fails or is given up."""
+        final = self.folder / name
+        temporary = final.with_name(f"{TEMPORARY}{socket.gethostname()}-{os.getpid()}-{final.name}")
+        try:
+            yield temporary
         except BaseException:
             # Libraries that write through a temporary file of their own begin its name with ours.
             for leftover in final.parent.glob(temporary.stem + "*"):
                 leftover.unlink(missing_ok=True)
             raise
-        return digest
 
     def _write_checksum(self, name: str, digest: str) -> None:
         line = f"{digest}  {Path(name).name}\n"

@@ -22,7 +22,7 @@ class VdbSettings:
 
 
 class BandWriter:
-    """Writes one volume per frame."""
+    """Makes one volume per frame: prepare() and prepared() once, then draw() each."""
 
     def __init__(self, folder: Path, mesh: MeshData, frames, settings: VdbSettings, baked_from, *, resume: bool):
         self._settings = settings
@@ -32,15 +32,22 @@ class BandWriter:
         self.store = CacheStore(folder, plan, resume=resume, replace=True)
         self._band: Any = None
 
-    def prepare(self, native_mesh, progress=None) -> list[str]:
-        """Finds the voxels and the surface point each shows, once for all frames."""
-        self._band = native.VdbBand(native_mesh, self._settings.voxel_size, self._settings.half_width, progress)
+    def prepare(self, native_mesh):
+        """Begins, on other threads, to find the voxels and the surface point each shows, once for all frames: a job for
+        prepared()."""
+        return native.start_vdb_band(native_mesh, self._settings.voxel_size, self._settings.half_width)
+
+    def prepared(self, job) -> list[str]:
+        """Waits for the job of prepare(); returns remarks for the artist."""
+        self._band = job.result()
         return []
 
-    def write(self, index: int, fields: Mapping[str, Any], lam: float) -> None:
-        """fields: native.VectorField at λ by attribute name, on the mesh given to prepare()."""
-        data = self._band.vdb(dict(fields), "sf_advection", self.metadata(lam))
-        self.store.write(index, lambda path: path.write_bytes(data))
+    def draw(self, fields: Mapping[str, Any], lam: float):
+        """Begins a volume on other threads: a job whose result is the file's bytes, for store.write_bytes().
+
+        fields: native.VectorField at λ by attribute name, on the mesh given to prepare().
+        """
+        return self._band.start_vdb(dict(fields), "sf_advection", self.metadata(lam))
 
     def finish(self) -> bool:
         return self.store.finish({})

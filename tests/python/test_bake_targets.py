@@ -257,6 +257,65 @@ def test_a_bake_stopped_at_any_step_resumes_to_the_same_bytes(task, tmp_path):
         assert contents(result.folders[target]) == contents(expected.folders[target])
 
 
+def closed_at(steps, wanted):
+    """Runs until a step is wanted, and closes there; the seconds that closing took."""
+    for step in steps:
+        if wanted(step):
+            start = time.perf_counter()
+            steps.close()
+            return time.perf_counter() - start
+        if step.waiting:
+            time.sleep(0.001)
+    pytest.fail("came to its end before")
+
+
+#: Each takes about a second to prepare, and longer than a look to draw.
+LARGE = {"exr": {"exr": ExrSettings(uv_layer="upper", resolution=2048)}, "vdb": {"vdb": VdbSettings(voxel_size=0.01)}}
+WORDS = {"exr": ("Reading the UV layer", "Drawing the flow map"), "vdb": ("Finding the voxels", "Writing the volume")}
+#: Seconds; a lone machine takes less than 0.1.
+SOON = 1.0
+
+
+def waits(step, words, fraction=0.0):
+    return step.waiting and step.message.startswith(words) and step.fraction >= fraction
+
+
+@pytest.mark.parametrize("target", ["exr", "vdb"])
+def test_closing_stops_the_core_at_once_and_leaves_nothing_of_the_file_in_work(task, target):
+    large = replace(task, targets=frozenset({target}), **LARGE[target])
+    preparing, drawing = WORDS[target]
+    # Five parts: preparing, then four frames.
+    for part in (0.0, 0.04, 0.12):
+        assert closed_at(job.bake_steps(large), lambda step, part=part: waits(step, preparing, part)) < SOON
+        assert set(contents(task.root / target)) == {"plan.json"}
+    # One frame becomes finished, and stays.
+    assert closed_at(job.bake_steps(large), lambda step: waits(step, drawing, 0.4)) < SOON
+    finished = contents(task.root / target)
+    assert set(finished) == {"plan.json", f"frames/frame_0001.{target}", f"frames/frame_0001.{target}.sha256"}
+    # Three are left; the next one is worked on from 0.25 to 0.5.
+    for part in (0.25, 0.35):
+        assert closed_at(job.bake_steps(large), lambda step, part=part: waits(step, drawing, part)) < SOON
+        assert contents(task.root / target) == finished
+
+
+@pytest.mark.parametrize("target", ["exr", "vdb"])
+def test_closing_between_two_slices_of_a_file_removes_it(task, target, monkeypatch, tmp_path):
+    small = replace(task, targets=frozenset({target}))
+    expected = contents(job.run(job.bake_steps(replace(small, root=tmp_path / "whole"))).folders[target])
+    monkeypatch.setattr("stormfield.bake.store.SLICE", 1000)
+    second = f"frame {small.frames[1]}"
+    slices = [0]
+
+    def third_slice(step):
+        slices[0] += not step.waiting and step.message.endswith(second)
+        return slices[0] == 4  # the first step announces the frame
+
+    closed_at(job.bake_steps(small), third_slice)
+    left = contents(task.root / target)
+    assert {name.removesuffix(".sha256") for name in left} == {"plan.json", f"frames/frame_0001.{target}"}
+    assert contents(job.run(job.bake_steps(small)).folders[target]) == expected
+
+
 def test_changed_settings_start_the_images_anew(task):
     first = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}))))
     before = contents(first.folders["exr"])
