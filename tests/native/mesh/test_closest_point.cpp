@@ -44,6 +44,12 @@ TEST(ClosestPoint, AgreesWithBruteForce) {
     for (int i = 0; i < 60; ++i) {
       const Vec3 p = 2.0 * random.vector();
       const ClosestPoint found = query.closest(p);
+      for (const Index face : {found.point.face, Index{0}}) {
+        const ClosestPoint nearby = query.closest(p, SurfacePoint{face, Vec3::Constant(1.0 / 3.0)});
+        EXPECT_EQ(nearby.point.face, found.point.face);
+        EXPECT_EQ(nearby.point.barycentric, found.point.barycentric);
+        EXPECT_EQ(nearby.distance, found.distance);
+      }
       const Vec3 q = position(*mesh, found.point);
       EXPECT_NEAR((p - q).norm(), found.distance, 1e-13);
       EXPECT_GE(found.point.barycentric.minCoeff(), 0.0);
