@@ -17,7 +17,7 @@ import hashlib
 import os
 import socket
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from ..model.errors import InputError
@@ -76,7 +76,7 @@ class CacheStore:
         self._written.add(index)
         self._verified.add(self.names[index])
 
-    def write_bytes(self, index: int, data: bytes) -> Iterator[float]:
+    def write_bytes(self, index: int, data: bytes) -> Generator[float]:
         """write() in slices, yielding the part that is written; closing the iterator removes the file in work."""
         with _disk_faults(self.folder):
             self._reopen()
