@@ -112,6 +112,9 @@ SpaceTimeResult SpaceTimeSolver::solve(const ConstraintSet& constraints, Progres
   for (Index c = 0; c < mesh.componentCount(); ++c) {
     if (!constrained[c]) result.componentsWithoutConstraint.push_back(c);
   }
+  if (static_cast<Index>(result.componentsWithoutConstraint.size()) == mesh.componentCount()) {
+    throw InputError("no constraint lies on the surface, only on loose vertices: move an element onto a face");
+  }
   std::vector<char> active;
   for (const Index v : system.residual.vertexOf()) active.push_back(constrained[mesh.component(v)]);
 

@@ -377,6 +377,19 @@ TEST(SpaceTimeSolver, NamesWhatIsWrongWithConstraints) {
   for (const char* part : {"west storm", "east storm"}) EXPECT_NE(messageOf(pair).find(part), std::string::npos);
 }
 
+TEST(SpaceTimeSolver, RefusesConstraintsOnLooseVerticesOnly) {
+  const ChartsPointer charts = together({surfaces::sphere(3)});
+  ConstraintSet constraints;
+  constraints.add(charts->mesh().vertexCount() - 1, 0, 1.0, 10.0, 0);
+  Progress progress;
+  const SpaceTimeSolver solver(charts, {.samples = 4});
+  EXPECT_THROW(solver.solve(constraints, progress), InputError);
+  constraints.add(0, 0, 1.0, 10.0, 0);
+  const SpaceTimeResult result = solver.solve(constraints, progress);
+  EXPECT_EQ(result.field.sample(2)[charts->mesh().vertexCount() - 1], Complex{});
+  EXPECT_NE(result.field.sample(2)[0], Complex{});
+}
+
 TEST(SpaceTimeSolver, RefusesOptionsAndStartsThatDoNotFit) {
   const ChartsPointer cube = surfaces::cube();
   EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 0}), InputError);
