@@ -8,7 +8,6 @@
 
 namespace stormfield {
 
-
 /// Structure of arrays, one entry per constraint, in any order.
 ///
 /// A soft constraint adds weight * |V - value|^2, integrated over the surface (mesh size units, see
