@@ -11,8 +11,8 @@ namespace {
 constexpr Index kBlock = 256;
 
 /// Where a weight is much larger than the couplings of the surface, the fine levels hold the value and the coarser ones
-/// must not spread the weight to what lies beside it: no more than this times the diagonal is handed on. (Cold solve of
-/// two storms of weight 4e5 to 1e-4: 11 iterations without a limit for 1e-6 and 6 for 1e-4, with it 3 for 1e-4.)
+/// must not spread the weight to what lies beside it: no more than this times the diagonal is handed on. (Two storms of
+/// weight 4e5, 20k vertices x 100 samples, from zero to 1e-4: 6 steps without the limit, 4 with it.)
 constexpr double kMostWeight = 2.0;
 
 /// Pivots below this part of the diagonal are zero: a line without constraint on a surface without curvature.

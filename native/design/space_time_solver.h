@@ -16,13 +16,16 @@
 // surface, three numbers per vertex for lambda. Its coupling along lambda is up to some 10 times that of an edge on
 // ordinary meshes (and far less on fine ones with few samples), so the smoother solves each vertex's whole line of
 // samples exactly, Gauss-Seidel over the vertices, and the surface is coarsened by classical algebraic multigrid with
-// interpolation along the connection; lambda is halved along with it where it is strong, which costs no convergence
-// (measured: the same steps with and without) and makes all coarse levels together cost a third of a sweep.
-// One V-cycle preconditions a Krylov method (krylov.h). Inner arithmetic is float32, the residual and what is left
-// after a run in float32 are double: at a tolerance of 1e-11 fields agree with a direct solve to 1e-8. Measured on 2
-// cores, 20k vertices x 100 samples, two storms of weight 4e5, to 1e-4, in units of the processor time of one plain
-// stencil sweep: 28 from zero (3 steps; plain Jacobi-CG: 840, 315 steps), 24 after one storm moved by a tenth of its
-// radius (2 steps), hierarchy 10; peak memory 6.7 unknown vectors; time grows with n^1.06 from 200k x 20 to 1M x 20.
+// interpolation along the connection. Lambda is halved along with it where it is strong: the steps stay the same with
+// and without, and all coarse levels together take about a quarter of a cycle. One V-cycle preconditions a Krylov
+// method (krylov.h). Inner arithmetic is float32, the residual and what is left after a run in float32 are double: at a
+// tolerance of 1e-11 fields agree with a direct solve to 1e-8.
+//
+// Measured on 2 cores that had other work, 20k vertices x 100 samples, two storms of weight 4e5, to 1e-4, in units of
+// the processor time of one plain stencil sweep: 28 from zero (3 steps; plain Jacobi-CG: 840 to 970, 315 steps), 25
+// after one storm moved by a tenth of its radius (2 steps), hierarchy 10. Peak memory: 6.7 unknown vectors. Time of
+// hierarchy and solve grows with n^1.04 to n^1.17 in most runs from 200k x 20 to 1M x 20 (4 and 5 steps), n^1.31 in the
+// worst.
 //
 // Constraints at vertices that no face uses have no effect. Throws InputError without constraints and for bad ones
 // (constraint_rows.h), SolverError when the tolerance is out of reach, Cancelled.
