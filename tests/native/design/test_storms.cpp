@@ -36,7 +36,7 @@ TEST_P(StormsOfKind, MergeOnTheSphere) {
 INSTANTIATE_TEST_SUITE_P(Kinds, StormsOfKind,
                          testing::Values(SingularKind::VortexCcw, SingularKind::SpiralInCw, SingularKind::SpiralOutCcw,
                                          SingularKind::Source, SingularKind::Sink),
-                         [](const auto& info) { return std::string(name(info.param)); });
+                         [](const auto& test) { return std::string(name(test.param)); });
 
 TEST(Storms, SplitOnTheSphere) {
   const auto elements = reversed(onTheSphere(SingularKind::SpiralInCcw));
