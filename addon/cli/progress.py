@@ -1,9 +1,11 @@
 """Progress on standard error: a bar in a terminal, a line now and then elsewhere."""
 
+import signal
 import sys
+import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 #: Seconds between two lines where there is no terminal.
@@ -12,12 +14,40 @@ QUIET = 5.0
 
 @contextmanager
 def progress(title: str) -> Iterator[Any]:
-    """Yields show(step) for steps of bake.job."""
-    if sys.stderr.isatty():
-        with _bar(title) as show:
-            yield show
-    else:
-        yield _Lines(title)
+    """Yields show(step) for steps of bake.job. An interrupt stops the work at its next step."""
+    with _interrupts() as stop_if_asked, _bar(title) if sys.stderr.isatty() else nullcontext(_Lines(title)) as show:
+
+        def show_or_stop(step) -> None:
+            stop_if_asked()
+            show(step)
+
+        yield show_or_stop
+        stop_if_asked()
+
+
+@contextmanager
+def _interrupts() -> Iterator[Callable[[], None]]:
+    """Keeps an interrupt until the work looks: raised at once it can be lost inside a callback of USD. A second one is
+    raised at once. Only the main thread gets interrupts."""
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: None
+        return
+    asked = threading.Event()
+    earlier = signal.getsignal(signal.SIGINT) or signal.SIG_DFL
+
+    def ask(number: int, frame: object) -> None:
+        asked.set()
+        signal.signal(signal.SIGINT, earlier)
+
+    def stop_if_asked() -> None:
+        if asked.is_set():
+            raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, ask)
+    try:
+        yield stop_if_asked
+    finally:
+        signal.signal(signal.SIGINT, earlier)
 
 
 @contextmanager

@@ -241,10 +241,7 @@ def test_an_interrupted_solve_says_so_and_can_be_resumed(design, tmp_path):
         assert process.poll() is None
         time.sleep(0.01)
     began = time.monotonic()
-    # Again while it runs: an interrupt that Python delivers inside a callback of USD is lost, as seen once.
-    while process.poll() is None and time.monotonic() - began < 10:
-        process.send_signal(signal.SIGINT)
-        time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=60)
     assert time.monotonic() - began < 10
     assert process.returncode == 130
