@@ -14,15 +14,21 @@ NATIVE = {
     "mesh": ["base"],
     "field": ["base", "mesh"],
     "tracing": ["base", "mesh", "field"],
-    "topology": ["base", "mesh", "field", "tracing"],
+    "combinatorial": ["base", "mesh", "field", "tracing"],
+    "topology": ["base", "mesh", "field", "tracing", "combinatorial"],
+    "morse": ["base", "mesh", "field", "tracing", "combinatorial"],
+    "streamlines": ["base", "mesh", "field", "tracing", "combinatorial", "topology"],
     "design": ["base", "mesh", "field", "tracing"],
     "texture": ["base", "mesh", "field", "tracing"],
     "io": ["base", "mesh", "field"],
-    "bindings": ["base", "mesh", "field", "tracing", "topology", "design", "texture", "io"],
+    "bindings": [
+        *["base", "mesh", "field", "tracing", "combinatorial", "topology", "morse", "streamlines"],
+        *["design", "texture", "io"],
+    ],
 }
 
 # Parts of the add-on that run without Blender, and the parts they must not import.
-WITHOUT_BLENDER = ["model", "native.py", "solve.py", "bake", "readers"]
+WITHOUT_BLENDER = ["analysis", "model", "native.py", "solve.py", "bake", "readers"]
 BLENDER_PARTS = {"convert", "properties", "operators", "ui", "shading", "presets", "handlers"}
 # Blender's own Python modules are found through bpy; these files alone do that, and only inside functions.
 MAY_ASK_BPY = {"bake/usd.py", "native.py"}

@@ -1,0 +1,1 @@
+"""What a field does, as plain data: graphs of entities, paths over λ. No Blender here."""

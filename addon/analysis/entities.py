@@ -1,0 +1,62 @@
+"""The one graph of an analysis: entities (fixed points, periodic orbits, Morse sets) and their links.
+
+The entity connection graph (thesis 3.2) and the Morse connection graph (thesis 6.2) are both an EntityGraph, so that
+layout, editor, list, selection, picture and export exist once.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+Row = Literal["repelling", "saddle", "attracting"]
+
+#: Thesis colours (RGB, linear 0..1): repelling green, attracting red, saddle blue.
+KIND_COLOURS: Mapping[str, tuple[float, float, float]] = {
+    "source": (0.10, 0.75, 0.20),
+    "repelling": (0.10, 0.75, 0.20),
+    "sink": (0.90, 0.12, 0.10),
+    "attracting": (0.90, 0.12, 0.10),
+    "saddle": (0.12, 0.30, 0.95),
+    "center": (0.95, 0.75, 0.10),
+    "degenerate": (0.60, 0.60, 0.60),
+    "inflow": (0.45, 0.80, 0.50),
+    "outflow": (0.95, 0.50, 0.45),
+    "trivial": (0.55, 0.55, 0.55),
+    "other": (0.65, 0.25, 0.85),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Entity:
+    """One node. Lengths in mesh units, positions in object space."""
+
+    id: int  #: place in EntityGraph.entities
+    name: str  #: short and unique: "S3" saddle, "R1" source or repelling, "A2" sink or attracting, "C4" center, ...
+    kind: str  #: lower-case word: source sink saddle center degenerate attracting repelling trivial other ...
+    row: Row  #: row of the three-row layout (thesis 3.2)
+    position: np.ndarray  #: (3,) where a marker or label goes
+    curve: np.ndarray | None = None  #: (k, 3) polyline of an orbit, closed orbits repeat their first point
+    strength: float = 0.0  #: how much it matters: see the module that made it; 1/s for fixed points
+    faces: np.ndarray | None = None  #: (k,) int32 faces of a Morse set
+    info: Mapping[str, Any] = field(default_factory=dict)  #: more to show and export: plain JSON values
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """Flow leads from one entity to another."""
+
+    source: int
+    target: int
+    curves: tuple[np.ndarray, ...] = ()  #: (k, 3) each: the separatrices that make the link, in the flow's direction
+
+
+@dataclass(frozen=True, eq=False)
+class EntityGraph:
+    """ECG or MCG of one instantaneous field. Links go with the flow: from repelling to attracting."""
+
+    title: str  #: "Entity connection graph" or "Morse connection graph"
+    entities: tuple[Entity, ...]
+    links: tuple[Link, ...]
+    lam: float

@@ -1,0 +1,17 @@
+// A combinatorial map F: a directed graph on the triangles that encloses the flow (thesis 2.4, 6.2, 6.3). Where a
+// trajectory leads from face a to face b, in one step of the map's kind, F has the edge a -> b.
+#pragma once
+
+#include "combinatorial/directed_graph.h"
+
+namespace stormfield {
+
+/// One node per face and one more, outside(), which stands for everything beyond the boundary: flow that leaves the
+/// surface has an edge to it, and it has none itself.
+struct CombinatorialMap {
+  DirectedGraph graph;
+
+  Index outside() const { return graph.nodeCount() - 1; }
+};
+
+}  // namespace stormfield
