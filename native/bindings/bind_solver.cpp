@@ -3,7 +3,7 @@
 #include "bindings/bindings.h"
 #include "bindings/job.h"
 #include "design/even_speed.h"
-#include "design/space_time_solver.h"
+#include "solver/space_time_solver.h"
 
 namespace stormfield::bindings {
 namespace {

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "design/element_constraints.h"
-#include "design/space_time_solver.h"
+#include "solver/space_time_solver.h"
 
 namespace stormfield {
 

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "design/constraint.h"
 #include "design/element.h"
 #include "mesh/vertex_charts.h"
+#include "solver/constraint.h"
 
 namespace stormfield {
 

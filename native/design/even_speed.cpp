@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/message.h"
-#include "design/connection_laplacian.h"
+#include "solver/connection_laplacian.h"
 
 namespace stormfield {
 namespace {

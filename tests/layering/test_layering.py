@@ -18,12 +18,13 @@ NATIVE = {
     "topology": ["base", "mesh", "field", "tracing", "combinatorial"],
     "morse": ["base", "mesh", "field", "tracing", "combinatorial"],
     "streamlines": ["base", "mesh", "field", "tracing", "combinatorial", "topology"],
-    "design": ["base", "mesh", "field", "tracing"],
+    "solver": ["base", "mesh", "field"],
+    "design": ["base", "mesh", "field", "tracing", "solver"],
     "texture": ["base", "mesh", "field", "tracing"],
     "io": ["base", "mesh", "field"],
     "bindings": [
         *["base", "mesh", "field", "tracing", "combinatorial", "topology", "morse", "streamlines"],
-        *["design", "texture", "io"],
+        *["solver", "design", "texture", "io"],
     ],
 }
 
@@ -111,6 +112,6 @@ def test_addon_imports_are_relative():
 
 
 def test_the_checks_can_fail():
-    assert forbidden_includes('#include "design/constraint.h"\n', "mesh") == ["design/constraint.h"]
+    assert forbidden_includes('#include "solver/constraint.h"\n', "mesh") == ["solver/constraint.h"]
     assert ("..operators", True) in imports("from ..operators import x")
     assert ("bpy", False) in imports("def f():\n    import bpy")

@@ -12,7 +12,7 @@
 #include <malloc.h>
 #endif
 
-#include "../design/storm_constraints.h"
+#include "../solver/storm_constraints.h"
 #include "../tracing/surfaces.h"
 #include "design/even_speed.h"
 #include "plain_solver.h"

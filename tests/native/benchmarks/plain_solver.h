@@ -12,9 +12,9 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
-#include "design/connection_laplacian.h"
-#include "design/constraint.h"
-#include "design/space_time_solver.h"
+#include "solver/connection_laplacian.h"
+#include "solver/constraint.h"
+#include "solver/space_time_solver.h"
 
 namespace stormfield::plain {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "design/element_constraints.h"
-#include "design/space_time_solver.h"
 #include "design/surface_path.h"
+#include "solver/space_time_solver.h"
 #include "topology/fixed_points.h"
 #include "tracing/surfaces.h"
 

@@ -5,8 +5,8 @@
 // are lumped weights.
 #pragma once
 
-#include "design/constraint_rows.h"
-#include "design/field_buffer.h"
+#include "solver/constraint_rows.h"
+#include "solver/field_buffer.h"
 
 namespace stormfield {
 

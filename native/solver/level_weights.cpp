@@ -1,4 +1,4 @@
-#include "design/level_weights.h"
+#include "solver/level_weights.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "design/space_time_residual.h"
+#include "solver/space_time_residual.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "design/row_algebra.h"
+#include "solver/row_algebra.h"
 
 namespace stormfield {
 namespace {

@@ -1,4 +1,4 @@
-#include "design/sweep_order.h"
+#include "solver/sweep_order.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,4 +1,4 @@
-#include "design/lambda_grid.h"
+#include "solver/lambda_grid.h"
 
 namespace stormfield {
 

@@ -2,7 +2,7 @@
 // caller's [sample][vertex] in double precision, and the solver's [row][sample] in single precision.
 #pragma once
 
-#include "design/constraint_rows.h"
+#include "solver/constraint_rows.h"
 
 namespace stormfield {
 

@@ -7,7 +7,7 @@
 // fine ones.
 #pragma once
 
-#include "design/surface_matrix.h"
+#include "solver/surface_matrix.h"
 
 namespace stormfield {
 

@@ -1,4 +1,4 @@
-#include "design/surface_matrix.h"
+#include "solver/surface_matrix.h"
 
 #include <algorithm>
 #include <utility>

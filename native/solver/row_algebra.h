@@ -1,7 +1,7 @@
 // Elementary operations on rows of floats whose length is a multiple of 16 bytes; sums keep a fixed order.
 #pragma once
 
-#include "design/line_kernels.h"
+#include "solver/line_kernels.h"
 
 namespace stormfield::kernels {
 

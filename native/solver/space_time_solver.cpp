@@ -1,4 +1,4 @@
-#include "design/space_time_solver.h"
+#include "solver/space_time_solver.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <tbb/parallel_reduce.h>
 
 #include "base/message.h"
-#include "design/connection_laplacian.h"
-#include "design/krylov.h"
-#include "design/space_time_residual.h"
+#include "solver/connection_laplacian.h"
+#include "solver/krylov.h"
+#include "solver/space_time_residual.h"
 
 namespace stormfield {
 namespace {

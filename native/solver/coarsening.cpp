@@ -1,4 +1,4 @@
-#include "design/coarsening.h"
+#include "solver/coarsening.h"
 
 #include <algorithm>
 #include <cmath>

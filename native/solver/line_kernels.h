@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "design/lambda_grid.h"
+#include "solver/lambda_grid.h"
 
 namespace stormfield::kernels {
 

@@ -1,11 +1,11 @@
-#include "design/multigrid.h"
+#include "solver/multigrid.h"
 
 #include <algorithm>
 
 #include <tbb/parallel_for.h>
 
-#include "design/level_weights.h"
-#include "design/row_algebra.h"
+#include "solver/level_weights.h"
+#include "solver/row_algebra.h"
 
 namespace stormfield {
 namespace {

@@ -7,10 +7,10 @@
 #pragma once
 
 #include "base/progress.h"
-#include "design/coarsening.h"
-#include "design/lambda_grid.h"
-#include "design/line_kernels.h"
-#include "design/sweep_order.h"
+#include "solver/coarsening.h"
+#include "solver/lambda_grid.h"
+#include "solver/line_kernels.h"
+#include "solver/sweep_order.h"
 
 namespace stormfield {
 

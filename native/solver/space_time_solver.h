@@ -39,8 +39,8 @@
 #include <memory>
 
 #include "base/progress.h"
-#include "design/constraint.h"
 #include "field/parameterized_field.h"
+#include "solver/constraint.h"
 
 namespace stormfield {
 

@@ -5,7 +5,7 @@
 // a chunk in order, and every row sees exactly the new values of the rows before it and the old ones of those after it.
 #pragma once
 
-#include "design/surface_matrix.h"
+#include "solver/surface_matrix.h"
 
 namespace stormfield {
 

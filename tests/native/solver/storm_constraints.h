@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "design/constraint.h"
 #include "mesh/vertex_charts.h"
+#include "solver/constraint.h"
 
 namespace stormfield::storms {
 

@@ -1,4 +1,4 @@
-#include "design/krylov.h"
+#include "solver/krylov.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "design/row_algebra.h"
+#include "solver/row_algebra.h"
 
 namespace stormfield {
 namespace {

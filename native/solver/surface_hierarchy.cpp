@@ -1,4 +1,4 @@
-#include "design/surface_hierarchy.h"
+#include "solver/surface_hierarchy.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "design/connection_laplacian.h"
+#include "solver/connection_laplacian.h"
 
 #include <algorithm>
 #include <cmath>

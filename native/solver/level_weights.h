@@ -1,8 +1,8 @@
 // Diagonal weights of the constraints on the levels of the hierarchy, and the pivots of the line solves they lead to.
 #pragma once
 
-#include "design/constraint_rows.h"
-#include "design/field_buffer.h"
+#include "solver/constraint_rows.h"
+#include "solver/field_buffer.h"
 
 namespace stormfield {
 

@@ -9,8 +9,8 @@
 // In a flat square grid the weights are those of the five-point stencil.
 #pragma once
 
-#include "design/surface_matrix.h"
 #include "mesh/vertex_charts.h"
+#include "solver/surface_matrix.h"
 
 namespace stormfield {
 

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "base/progress.h"
-#include "design/multigrid.h"
+#include "solver/multigrid.h"
 
 namespace stormfield {
 

@@ -1,4 +1,4 @@
-#include "design/constraint_rows.h"
+#include "solver/constraint_rows.h"
 
 #include <algorithm>
 #include <atomic>

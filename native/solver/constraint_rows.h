@@ -6,8 +6,8 @@
 
 #include <limits>
 
-#include "design/constraint.h"
-#include "design/surface_hierarchy.h"
+#include "solver/constraint.h"
+#include "solver/surface_hierarchy.h"
 
 namespace stormfield {
 

@@ -1,4 +1,4 @@
-#include "design/space_time_solver.h"
+#include "solver/space_time_solver.h"
 
 #include <chrono>
 #include <limits>
@@ -9,8 +9,8 @@
 #include <tbb/global_control.h>
 #include <Eigen/SparseCholesky>
 
-#include "design/connection_laplacian.h"
-#include "design/storm_constraints.h"
+#include "solver/connection_laplacian.h"
+#include "solver/storm_constraints.h"
 #include "tracing/surfaces.h"
 
 namespace stormfield {
