@@ -1,14 +1,28 @@
 // The geometry-based combinatorial map (thesis 2.4.2, 6.2): a -> b where flow crosses the common edge from a to b.
 //
 // The field along an edge is the linear blend of its two carried end vectors, the same from both faces (thesis 2.5), so
-// the directions of crossing are exact: an edge is crossed one way, the other, or both. A face that holds a fixed point
-// has an edge to itself; a boundary edge that is crossed outwards leads to outside().
+// its component across the edge is linear, and the directions of crossing follow from its two ends alone: none, one, or
+// both. A face that holds a fixed point has an edge to itself; a boundary edge that is crossed outwards leads to
+// outside(). A fixed point on an edge or at a vertex lies in all faces there: they lead to each other both ways.
 #pragma once
+
+#include <cstdint>
+#include <vector>
 
 #include "combinatorial/combinatorial_map.h"
 #include "field/vector_field.h"
 
 namespace stormfield {
+
+/// The directions in which flow crosses an edge, seen along its canonical halfedge h = mesh.edgeHalfedge(e).
+struct EdgeCrossing {
+  bool inwards = false;   ///< somewhere into face(h), which stands on the left
+  bool outwards = false;  ///< somewhere out of it, into the face of the twin or over the boundary
+};
+
+/// One per edge, exact: a component across the edge counts as none where it is of round-off size (1e-14 of its vector).
+/// Edges with a fixed point on them are crossed both ways.
+std::vector<EdgeCrossing> edgeCrossings(const VectorField& field);
 
 /// The same for any number of threads.
 CombinatorialMap geometryMap(const VectorField& field);
