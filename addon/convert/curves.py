@@ -51,9 +51,15 @@ def _hair_curves(evaluated: bpy.types.Object, _depsgraph: bpy.types.Depsgraph) -
 
 
 def _grease_pencil(evaluated: bpy.types.Object, _depsgraph: bpy.types.Depsgraph) -> list[np.ndarray]:
-    frames = (layer.current_frame() for layer in evaluated.data.layers if not layer.hide)
-    strokes = (stroke for frame in frames if frame for stroke in frame.drawing.strokes)
-    return [np.array([point.position for point in stroke.points]) for stroke in strokes]
+    """Strokes of the visible layers at the current frame, each layer with its own transform."""
+    lines = []
+    for layer in evaluated.data.layers:
+        frame = None if layer.hide else layer.current_frame()
+        matrix = np.array(layer.matrix_local)
+        for stroke in frame.drawing.strokes if frame else ():
+            points = np.array([point.position for point in stroke.points])
+            lines.append(points @ matrix[:3, :3].T + matrix[:3, 3])
+    return lines
 
 
 def _edges(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:

@@ -113,6 +113,25 @@ def test_mesh_edges_and_hair_curves_are_lines_too(ball, read):
     assert design.elements[2].points[-1] == (12.0, 13.0, 14.0)
 
 
+def test_grease_pencil_strokes_are_lines_where_their_layer_puts_them(ball, read):
+    pencils = getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils)
+    pencil = pencils.new("Sketch")
+    for name, lift in (("Drawn", 0.25), ("Hidden", 0.0)):
+        layer = pencil.layers.new(name)
+        layer.translation = (0.0, 0.0, lift)
+        drawing = layer.frames.new(1).drawing
+        drawing.add_strokes([3])
+        for point, x in zip(drawing.strokes[0].points, (0.0, 0.5, 1.0), strict=True):
+            point.position = (x, 0.0, 0.75)
+    pencil.layers["Hidden"].hide = True
+    sketch = bpy.data.objects.new("Sketch", pencil)
+    bpy.context.collection.objects.link(sketch)
+    add(ball, sketch, type="streamline")
+    _mesh, design = read(ball)
+    assert len(design.elements) == 1
+    assert np.allclose(design.elements[0].points, [(0, 0, 1), (0.5, 0, 1), (1, 0, 1)], atol=1e-6)
+
+
 def test_an_animated_empty_becomes_a_singularity_path(ball, read, scene):
     empty = bpy.data.objects.new("Zyklon ☂", None)
     bpy.context.collection.objects.link(empty)
