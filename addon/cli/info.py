@@ -11,22 +11,26 @@ from .output import Phases, describe_mesh, field_argument, write_json
 @field_argument
 @click.option("--json", "out", default="-", show_default=True, help="File to write; - is standard output.")
 def info(field: str, vector: str | None, sphere_faces: int | None, out: str) -> None:
-    """Describe the mesh of FIELD."""
+    """Describe the mesh of FIELD, and at which λ it has samples of a field."""
     from .. import native
-    from ..readers import read_field
+    from ..readers import NoField, read_field, read_mesh
 
     phases = Phases()
     load_core()
     with phases("read"):
-        data = read_field(field, vector=vector, sphere_faces=sphere_faces)
+        try:
+            data = read_field(field, vector=vector, sphere_faces=sphere_faces)
+            surface, lambdas = data.mesh, data.lambdas
+        except NoField:  # a mesh alone is worth describing too
+            surface, lambdas = read_mesh(field), ()
     with phases("mesh"):
-        mesh = native.TriangleMesh(data.mesh.vertices, data.mesh.triangles)
+        mesh = native.TriangleMesh(surface.vertices, surface.triangles)
     write_json(
         out,
         {
             "schema": "stormfield.info/1",
             "mesh": describe_mesh(mesh),
-            "lam": [float(lam) for lam in data.lambdas],
+            "lam": [float(lam) for lam in lambdas],
             "seconds": phases.seconds,
         },
     )

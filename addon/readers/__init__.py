@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
-from .field_data import FieldData
+from .field_data import FieldData, NoField
 
 GRIDS = {".npz", ".nc", ".nc4", ".cdf", ".h5"}
 #: Faces of the sphere that carries wind when nothing else is said.
@@ -43,9 +43,9 @@ def read_field(
 
 
 def read_mesh(path: str | Path) -> MeshData:
-    """The mesh of any of the files above, without a field."""
+    """The mesh of any of the files above, whether it carries a field or not."""
     path = _existing(path)
-    if path.is_dir() or path.name == "field.usda" or path.suffix.lower() == ".t":
+    if path.is_dir() or path.name == "field.usda" or path.suffix.lower() in {".t", *GRIDS}:
         return read_field(path).mesh
     from .point_data import read_surface
 
@@ -59,4 +59,4 @@ def _existing(path: str | Path) -> Path:
     return path
 
 
-__all__ = ["SPHERE_FACES", "FieldData", "read_field", "read_mesh"]
+__all__ = ["SPHERE_FACES", "FieldData", "NoField", "read_field", "read_mesh"]

@@ -8,6 +8,10 @@ from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 
 
+class NoField(InputError):
+    """The file is a mesh, but nothing says which of its data is the field."""
+
+
 @dataclass(frozen=True, eq=False)
 class FieldData:
     """vectors (s, n, 3) float64 in space, one per sample and vertex; lambdas (s,) increasing in 0..1."""

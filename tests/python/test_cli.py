@@ -87,6 +87,15 @@ def test_info(capsys, sphere):
     assert content["seconds"].keys() == {"read", "mesh"} and content["lam"] == [0.0]
 
 
+def test_info_of_a_mesh_without_a_field(capsys, tmp_path):
+    bare = tmp_path / "bare.obj"
+    bare.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    status, out, _ = run(capsys, "info", bare)
+    content = json.loads(out)
+    assert status == 0 and content["lam"] == []
+    assert content["mesh"]["faces"] == 1 and content["mesh"]["boundary_loops"] == 1
+
+
 def test_analyze(capsys, sphere, tmp_path):
     status, out, _ = run(capsys, "analyze", sphere, "--json", tmp_path / "a.json")
     content = json.loads((tmp_path / "a.json").read_text())
