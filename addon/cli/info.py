@@ -13,7 +13,7 @@ from .output import Phases, describe_mesh, field_argument, write_json
 def info(field: str, vector: str | None, sphere_faces: int | None, out: str) -> None:
     """Describe the mesh of FIELD, and at which λ it has samples of a field."""
     from .. import native
-    from ..readers import NoField, read_field, read_mesh
+    from ..readers import NoFieldError, read_field, read_mesh
 
     phases = Phases()
     load_core()
@@ -21,7 +21,7 @@ def info(field: str, vector: str | None, sphere_faces: int | None, out: str) -> 
         try:
             data = read_field(field, vector=vector, sphere_faces=sphere_faces)
             surface, lambdas = data.mesh, data.lambdas
-        except NoField:  # a mesh alone is worth describing too
+        except NoFieldError:  # a mesh alone is worth describing too
             surface, lambdas = read_mesh(field), ()
     with phases("mesh"):
         mesh = native.TriangleMesh(surface.vertices, surface.triangles)

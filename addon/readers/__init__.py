@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
-from .field_data import FieldData, NoField
+from .field_data import FieldData, NoFieldError
 
 GRIDS = {".npz", ".nc", ".nc4", ".cdf", ".h5"}
 #: Faces of the sphere that carries wind when nothing else is said.
@@ -59,4 +59,4 @@ def _existing(path: str | Path) -> Path:
     return path
 
 
-__all__ = ["SPHERE_FACES", "FieldData", "NoField", "read_field", "read_mesh"]
+__all__ = ["SPHERE_FACES", "FieldData", "NoFieldError", "read_field", "read_mesh"]

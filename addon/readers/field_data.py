@@ -8,7 +8,7 @@ from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 
 
-class NoField(InputError):
+class NoFieldError(InputError):
     """The file is a mesh, but nothing says which of its data is the field."""
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
-from .field_data import FieldData, NoField, steady
+from .field_data import FieldData, NoFieldError, steady
 
 #: In these data sets nx, ny, nz are the vector, not a normal.
 DEFAULT_VECTOR = ("nx", "ny", "nz")
@@ -54,7 +54,7 @@ def _vectors(path: Path, data: dict[str, np.ndarray], vector: str | None) -> np.
     listed = ", ".join(sorted(data)) or "none"
     names = _likely(data) if vector is None else tuple(name.strip() for name in vector.split(","))
     if names is None:
-        raise NoField(f"{path}: which point data is the field? choose with --vector from: {listed}")
+        raise NoFieldError(f"{path}: which point data is the field? choose with --vector from: {listed}")
     missing = [name for name in names if name not in data]
     if missing:
         raise InputError(f"{path}: has no point data '{missing[0]}'; choose from: {listed}")
