@@ -11,17 +11,6 @@
 namespace stormfield {
 namespace {
 
-FixedPointKind classify(const Eigen::Matrix2d& jacobian, int index, double tolerance) {
-  const double det = jacobian.determinant(), trace = jacobian.trace();
-  const double rotation = jacobian(1, 0) - jacobian(0, 1);
-  // The sign of the determinant is the index of a simple zero.
-  if (det * index <= 0.0 || std::abs(index) > 1) return FixedPointKind::Degenerate;
-  if (std::abs(det) < tolerance * tolerance * jacobian.squaredNorm()) return FixedPointKind::Degenerate;
-  if (det < 0.0) return FixedPointKind::Saddle;
-  if (std::abs(trace) < tolerance * std::abs(rotation)) return FixedPointKind::Center;
-  return trace > 0.0 ? FixedPointKind::Source : FixedPointKind::Sink;
-}
-
 FixedPoint locate(const VectorField& field, Index f, int index) {
   const FaceInterpolant local = faceInterpolant(field, f);
   FixedPoint result;
@@ -66,6 +55,17 @@ std::vector<FixedPoint> mergedAtVertices(const VectorField& field, const std::ve
 }
 
 }  // namespace
+
+FixedPointKind classify(const Eigen::Matrix2d& jacobian, int index, double tolerance) {
+  const double det = jacobian.determinant(), trace = jacobian.trace();
+  const double rotation = jacobian(1, 0) - jacobian(0, 1);
+  // The sign of the determinant is the index of a simple zero.
+  if (det * index <= 0.0 || std::abs(index) > 1) return FixedPointKind::Degenerate;
+  if (std::abs(det) < tolerance * tolerance * jacobian.squaredNorm()) return FixedPointKind::Degenerate;
+  if (det < 0.0) return FixedPointKind::Saddle;
+  if (std::abs(trace) < tolerance * std::abs(rotation)) return FixedPointKind::Center;
+  return trace > 0.0 ? FixedPointKind::Source : FixedPointKind::Sink;
+}
 
 const char* name(FixedPointKind kind) {
   switch (kind) {

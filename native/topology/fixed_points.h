@@ -27,6 +27,9 @@ struct FixedPointOptions {
   double relativeTolerance = 1e-3;
 };
 
+/// Kind of a zero with this Poincare index: see relativeTolerance.
+FixedPointKind classify(const Eigen::Matrix2d& jacobian, int index, double relativeTolerance);
+
 /// One for each face with a Poincare index other than zero, in face order; faces that share the zero of a vertex report
 /// it once. The sum of the indices is the Euler characteristic on a closed mesh. Zeros whose indices cancel within one
 /// face (strongly curved, coarse meshes only: a linear blend has at most one) are not reported. Faces are searched in
