@@ -10,7 +10,7 @@
 namespace stormfield::bindings {
 namespace {
 
-constexpr const char* kStopReasons[] = {"time", "length", "minimal_speed", "boundary", "step_limit"};
+constexpr const char* kStopReasons[] = {"time", "length", "minimal_speed", "boundary", "step_limit", "visitor"};
 
 /// Python's Traces: with the mesh, for positions.
 struct TracesHandle {

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <numbers>
+#include <type_traits>
 
 #include "tracing/dense_step.h"
 #include "tracing/flow.h"
@@ -29,7 +30,8 @@ class Integrator {
         tolerance_(options.tolerance * faces.mesh().meanEdgeLength()),
         squaredMinimalSpeed_(minimalSpeed * minimalSpeed) {}
 
-  /// visit(SurfacePoint, seconds since the seed) is called for the seed and after every step and crossing.
+  /// visit(SurfacePoint, seconds since the seed) is called for the seed and after every step and crossing. It may
+  /// return a bool: false ends the trace.
   template <typename Visit>
   TraceEnd run(const SurfacePoint& seed, double startTime, double maximalTime, Visit&& visit) {
     startTime_ = startTime;
@@ -40,11 +42,18 @@ class Integrator {
     slide_ = kNoSide;
     idleCrossings_ = 0;
     end_ = TraceEnd{};
-    visit(seed, 0.0);
-    bool going = place(seed);
+    const auto wanted = [&](const SurfacePoint& p) {
+      if constexpr (std::is_same_v<std::invoke_result_t<Visit&, const SurfacePoint&, double>, bool>) {
+        return visit(p, elapsed_) || stop(StopReason::Visitor);
+      } else {
+        visit(p, elapsed_);
+        return true;
+      }
+    };
+    bool going = wanted(seed) && place(seed);
     while (going) {
       going = advance();
-      visit(here(), elapsed_);
+      going = wanted(here()) && going;
     }
     end_.point = here();
     end_.time = elapsed_;

@@ -23,6 +23,7 @@ enum class StopReason {
   MinimalSpeed,  ///< steady flow slower than minimalSpeed: a fixed point is near
   Boundary,      ///< the flow leaves the surface here
   StepLimit,     ///< maximalSteps were used
+  Visitor,       ///< the caller's visitor had seen enough
 };
 
 struct TraceOptions {
