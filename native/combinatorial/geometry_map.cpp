@@ -20,9 +20,7 @@ Complex seenAlong(Complex vector, double edgeAngle) {
 }
 
 EdgeCrossing crossing(const VectorField& field, Index h) {
-  const VertexCharts& charts = *field.charts;
-  const Complex tail = seenAlong(field.values[charts.mesh().tail(h)], charts.tailAngle(h));
-  const Complex head = seenAlong(field.values[charts.mesh().head(h)], charts.headAngle(h));
+  const auto [tail, head] = endVectors(field, h);
   const bool restsOnEdge =
       tail == 0.0 || head == 0.0 || (tail.imag() == 0.0 && head.imag() == 0.0 && tail.real() * head.real() < 0.0);
   if (restsOnEdge) return {true, true};
@@ -64,6 +62,12 @@ Row rowOf(const TriangleMesh& mesh, const std::vector<EdgeCrossing>& crossings, 
 }
 
 }  // namespace
+
+EndVectors endVectors(const VectorField& field, Index h) {
+  const VertexCharts& charts = *field.charts;
+  return {seenAlong(field.values[charts.mesh().tail(h)], charts.tailAngle(h)),
+          seenAlong(field.values[charts.mesh().head(h)], charts.headAngle(h))};
+}
 
 std::vector<EdgeCrossing> edgeCrossings(const VectorField& field) {
   const TriangleMesh& mesh = field.mesh();

@@ -14,14 +14,20 @@
 
 namespace stormfield {
 
+/// The field's two end vectors on an edge seen along its halfedge h: the real part points along h, the imaginary part
+/// across it, into face(h). A component across of round-off size (1e-14 of its vector) is 0.
+struct EndVectors {
+  Complex tail, head;
+};
+EndVectors endVectors(const VectorField& field, Index h);
+
 /// The directions in which flow crosses an edge, seen along its canonical halfedge h = mesh.edgeHalfedge(e).
 struct EdgeCrossing {
   bool inwards = false;   ///< somewhere into face(h), which stands on the left
   bool outwards = false;  ///< somewhere out of it, into the face of the twin or over the boundary
 };
 
-/// One per edge, exact: a component across the edge counts as none where it is of round-off size (1e-14 of its vector).
-/// Edges with a fixed point on them are crossed both ways.
+/// One per edge, exact. Edges with a fixed point on them are crossed both ways.
 std::vector<EdgeCrossing> edgeCrossings(const VectorField& field);
 
 /// The same for any number of threads.
