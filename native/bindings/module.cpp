@@ -10,6 +10,8 @@ PYBIND11_MODULE(stormfield_native, m) {
   bind_field(m);
   bind_tracing(m);
   bind_topology(m);
+  bind_tracking(m);
+  bind_streamlines(m);
   bind_solver(m);
   bind_design(m);
   bind_texture(m);

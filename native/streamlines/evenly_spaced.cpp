@@ -1,0 +1,260 @@
+#include "streamlines/evenly_spaced.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/message.h"
+#include "streamlines/coverage.h"
+#include "streamlines/face_velocity.h"
+#include "streamlines/given_curves.h"
+#include "streamlines/line_tracer.h"
+#include "streamlines/surface_walk.h"
+#include "streamlines/taper.h"
+#include "tracing/trace.h"
+
+namespace stormfield {
+namespace {
+
+/// In parts of the distance d: where a line ends beside another; the room that a seed beside a line needs; how finely
+/// gaps are looked for; how often seeds lie beside a line; the shortest line beside another, and to fill a gap.
+constexpr double kTest = 0.5, kSeedRoom = 0.9, kGapResolution = 0.15, kSeedSpacing = 0.5, kShortBeside = 2.0,
+                 kShortInGap = 0.05;
+/// Points of a line, in parts of d and of the mean edge length.
+constexpr double kStep = 0.25, kStepInEdges = 1.0;
+/// Rays around a source or sink, and the radius of the ring where they begin, in parts of d: their distance there is
+/// the radius, a little more than the test distance.
+constexpr int kRays = 6;
+constexpr double kRing = 0.55;
+constexpr double kSmallestDistance = 1.0 / 2000.0;
+
+double fastestVertex(const VectorField& field) {
+  double speed = 0.0;
+  for (const Complex& v : field.values) speed = std::max(speed, std::abs(v));
+  return speed;
+}
+
+void check(const FlatFaces& faces, const VectorField& field, const EvenSpacing& spacing,
+           const StreamlineFeatures& features) {
+  const TriangleMesh& mesh = faces.mesh();
+  if (field.values.size() != static_cast<std::size_t>(mesh.vertexCount())) {
+    throw InputError("the field of the streamlines belongs to another mesh");
+  }
+  if (!(spacing.distance >= kSmallestDistance * mesh.size()) || !std::isfinite(spacing.distance)) {
+    throw InputError(message("the distance between streamlines is ", spacing.distance, "; give at least ",
+                             kSmallestDistance * mesh.size(), ", a 2000th of the size of the surface"));
+  }
+  if (!(spacing.minimalSpeed >= 0.0) || !std::isfinite(spacing.minimalSpeed)) {
+    throw InputError(message("minimal speed is ", spacing.minimalSpeed, "; give a number of 0 or more"));
+  }
+  for (std::size_t i = 0; i < features.curves.size(); ++i) {
+    if (features.curves[i].points.empty()) throw InputError(message("given curve ", i, " has no points; leave it out"));
+    checkSeeds(mesh, features.curves[i].points);
+  }
+}
+
+LineRules makeRules(const TriangleMesh& mesh, const EvenSpacing& spacing) {
+  const double step = std::min(kStep * spacing.distance, kStepInEdges * mesh.meanEdgeLength());
+  const double most = 20.0 * mesh.totalArea() / (spacing.distance * step) + 1000.0;
+  return {spacing.distance, kTest * spacing.distance, step, spacing.minimalSpeed, static_cast<std::size_t>(most)};
+}
+
+/// The steps of the method, in their order.
+class Placement {
+ public:
+  Placement(const FlatFaces& faces, const VectorField& field, const EvenSpacing& spacing, Progress* progress)
+      : faces_(faces),
+        field_(field),
+        d_(spacing.distance),
+        minimalSpeed_(spacing.minimalSpeed * fastestVertex(field)),
+        rules_(makeRules(faces.mesh(), spacing)),
+        samples_(faces.mesh(), d_),
+        tracer_(faces, field, rules_, samples_),
+        coverage_(faces, field, d_, kGapResolution * d_, minimalSpeed_),
+        patch_(faces.mesh()),
+        progress_(progress) {}
+
+  void placeGiven(const std::vector<GivenCurve>& curves);
+  void beginAtFixedPoints(const std::vector<FixedPoint>& points);
+  void fillGaps();
+  EvenStreamlines result() const;
+
+ private:
+  Vec3 at(const SurfacePoint& p) const { return position(faces_.mesh(), p); }
+  bool hasRoom(const SurfacePoint& p, double radius);
+  bool addLine(const SurfacePoint& seed, Reach reach, double shortest);
+  void keep(Line line, std::size_t firstSample);
+  void growBesideLines();
+  double quietArea() const;
+
+  const FlatFaces& faces_;
+  const VectorField& field_;
+  double d_, minimalSpeed_;
+  LineRules rules_;
+  NearLines samples_;
+  LineTracer tracer_;
+  Coverage coverage_;
+  SurfacePatch patch_;
+  Progress* progress_;
+  std::vector<Line> lines_;
+  std::size_t grown_ = 0;  ///< lines that have had their neighbours
+  std::vector<SurfacePoint> gaps_;
+};
+
+bool Placement::hasRoom(const SurfacePoint& p, double radius) {
+  const Vec3 place = at(p);
+  if (coverage_.bound(p.face, place) < radius) return false;
+  return !samples_.nearest(place, p.face, radius, patch_, [](const LineSample&) { return true; });
+}
+
+void Placement::keep(Line line, std::size_t firstSample) {
+  double last = -2.0 * d_;
+  for (std::size_t i = firstSample; i < samples_.size(); ++i) {
+    if (std::abs(samples_[i].arc - last) < 0.9 * kStep * d_) continue;
+    coverage_.add(samples_[i]);
+    last = samples_[i].arc;
+  }
+  lines_.push_back(std::move(line));
+  if (progress_ != nullptr) progress_->report(0.95 * coverage_.fraction());
+}
+
+bool Placement::addLine(const SurfacePoint& seed, Reach reach, double shortest) {
+  const std::size_t firstSample = samples_.size();
+  Line line = tracer_.trace(seed, static_cast<Index>(lines_.size()), reach, progress_);
+  if (line.points.size() < 2 || (!line.closed && line.length() < shortest)) {
+    tracer_.forget();
+    return false;
+  }
+  keep(std::move(line), firstSample);
+  return true;
+}
+
+/// Closed curves first: separatrices then end beside them.
+void Placement::placeGiven(const std::vector<GivenCurve>& curves) {
+  std::vector<Vec3> starts;
+  for (const bool closed : {true, false}) {
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+      if (curves[i].closed != closed) continue;
+      if (progress_ != nullptr) progress_->check();
+      Line line;
+      line.points = evenPoints(faces_.mesh(), curves[i], rules_.step);
+      line.given = static_cast<Index>(i);
+      line.closed = closed;
+      line.fullStart = true;
+      starts.push_back(line.points.front().position);
+      const std::size_t firstSample = samples_.size();
+      addGivenCurve(line.points, closed, static_cast<Index>(lines_.size()), rules_, starts, faces_.mesh(), samples_);
+      if (line.points.size() < 2) {
+        while (samples_.size() > firstSample) samples_.dropLast();
+        starts.pop_back();
+        continue;
+      }
+      if (curves[i].againstFlow) {
+        std::reverse(line.points.begin(), line.points.end());
+        std::swap(line.fullStart, line.fullEnd);
+      }
+      keep(std::move(line), firstSample);
+    }
+  }
+}
+
+/// A star of lines leaves sources and enters sinks; one line begins in the middle of swirls and centers. Saddles have
+/// their separatrices.
+void Placement::beginAtFixedPoints(const std::vector<FixedPoint>& points) {
+  for (const FixedPoint& p : points) {
+    if (p.kind == FixedPointKind::Saddle || p.kind == FixedPointKind::Degenerate) continue;
+    const double trace = p.jacobian.trace();
+    const bool swirls = trace * trace < 4.0 * p.jacobian.determinant();
+    const bool source = p.kind == FixedPointKind::Source;
+    for (int ray = 0; ray < (swirls ? 1 : kRays); ++ray) {
+      const Complex direction = std::polar(1.0, 2.0 * std::numbers::pi * ray / kRays);
+      const SurfaceWalk way = walkStraight(faces_, p.point, direction, kRing * d_);
+      if (way.length < 0.99 * kRing * d_ || !hasRoom(way.point, 0.95 * rules_.testDistance)) continue;
+      addLine(way.point, swirls ? Reach::Both : source ? Reach::Forward : Reach::Backward, d_);
+    }
+  }
+}
+
+/// Seeds at the distance d on both sides of every line, line after line.
+void Placement::growBesideLines() {
+  for (; grown_ < lines_.size(); ++grown_) {
+    double sinceSeed = d_;
+    for (std::size_t k = 0; k < lines_[grown_].points.size(); ++k) {
+      const LinePoint p = lines_[grown_].points[k];
+      if (k > 0) sinceSeed += (p.position - lines_[grown_].points[k - 1].position).norm();
+      if (sinceSeed < kSeedSpacing * d_) continue;
+      sinceSeed = 0.0;
+      const Complex velocity = velocityAt(faces_, field_, p.point);
+      if (std::abs(velocity) <= minimalSpeed_) continue;
+      for (const double side : {1.0, -1.0}) {
+        const SurfaceWalk way = walkStraight(faces_, p.point, Complex(0.0, side) * velocity, d_);
+        if (way.length < 0.99 * d_ || !hasRoom(way.point, kSeedRoom * d_)) continue;
+        addLine(way.point, Reach::Both, kShortBeside * d_);
+      }
+    }
+  }
+}
+
+void Placement::fillGaps() {
+  growBesideLines();
+  for (bool added = true; added;) {
+    added = false;
+    gaps_.clear();
+    for (const Gap& gap : coverage_.findGaps(samples_, progress_)) {
+      if (!hasRoom(gap.point, d_)) continue;
+      if (addLine(gap.point, Reach::Both, kShortInGap * d_)) {
+        added = true;
+        growBesideLines();
+      } else {
+        gaps_.push_back(gap.point);
+      }
+    }
+  }
+}
+
+double Placement::quietArea() const {
+  const TriangleMesh& mesh = faces_.mesh();
+  double area = 0.0;
+  for (Index f = 0; f < mesh.faceCount(); ++f) {
+    double speed = 0.0;
+    for (int k = 0; k < 3; ++k) speed = std::max(speed, std::abs(field_.values[mesh.vertex(f, k)]));
+    if (speed <= minimalSpeed_) area += mesh.faceArea(f);
+  }
+  return area / mesh.totalArea();
+}
+
+EvenStreamlines Placement::result() const {
+  EvenStreamlines result;
+  const auto tapers = taperLines(faces_.mesh(), lines_, samples_, rules_, progress_);
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    const Line& line = lines_[i];
+    double arc = 0.0;
+    for (std::size_t k = 0; k < line.points.size(); ++k) {
+      if (k > 0) arc += (line.points[k].position - line.points[k - 1].position).norm();
+      result.points.push_back(line.points[k].point);
+      result.arc.push_back(arc);
+      result.speed.push_back(std::abs(velocityAt(faces_, field_, line.points[k].point)));
+    }
+    result.taper.insert(result.taper.end(), tapers[i].begin(), tapers[i].end());
+    result.offsets.push_back(result.points.size());
+    result.closed.push_back(line.closed);
+    result.given.push_back(line.given);
+  }
+  result.quietArea = quietArea();
+  result.gaps = gaps_;
+  return result;
+}
+
+}  // namespace
+
+EvenStreamlines placeStreamlines(const FlatFaces& faces, const VectorField& field, const EvenSpacing& spacing,
+                                 const StreamlineFeatures& features, Progress* progress) {
+  check(faces, field, spacing, features);
+  Placement placement(faces, field, spacing, progress);
+  placement.placeGiven(features.curves);
+  placement.beginAtFixedPoints(features.fixedPoints);
+  placement.fillGaps();
+  return placement.result();
+}
+
+}  // namespace stormfield

@@ -1,0 +1,125 @@
+// Which lines run near a point of the surface: samples of all lines in a hashed grid.
+//
+// The distance of two points is estimated as if each lay in its face's plane and the planes met halfway: the chord
+// divided by cos(theta / 2), theta the angle between the normals. In a plane and across a crease that is the length of
+// the way along the surface; on a round surface it is longer by a factor below 1 + theta^2 / 12; between the two sides
+// of a sheet it is infinite. Points count as near only where the part of the surface inside the ball around one of them
+// connects them, so that layers, folds and other components never block each other.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "mesh/surface_point.h"
+
+namespace stormfield {
+
+/// A place on a line.
+struct LineSample {
+  Vec3 position = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();
+  Index face = kNone;
+  Index line = kNone;
+  double arc = 0.0;  ///< along the line from where it was begun, mesh units, negative on its backward side
+};
+
+/// Estimate of the squared distance along the surface, see above.
+inline double squaredSurfaceDistance(const Vec3& p, const Vec3& normal, const Vec3& q, const Vec3& otherNormal) {
+  constexpr double kOpposed = 1e-3;
+  const double cosine = 1.0 + normal.dot(otherNormal);
+  return (p - q).squaredNorm() * (2.0 / std::max(cosine, kOpposed));
+}
+
+/// The connected part of the surface around a point, inside a ball. One per thread, used again and again.
+class SurfacePatch {
+ public:
+  explicit SurfacePatch(const TriangleMesh& mesh) : mesh_(&mesh), visited_(mesh.faceCount(), 0) {}
+
+  /// Collects the faces that are reached from `face` over edges that meet the ball.
+  void gather(Index face, const Vec3& center, double radius);
+  bool contains(Index face) const { return visited_[face] == round_; }
+  const std::vector<Index>& faces() const { return faces_; }
+
+ private:
+  const TriangleMesh* mesh_;
+  std::vector<std::uint32_t> visited_;  ///< round of the last visit
+  std::uint32_t round_ = 0;
+  std::vector<Index> faces_;
+};
+
+class NearLines {
+ public:
+  /// cell: about the radius that is asked for most, mesh units.
+  NearLines(const TriangleMesh& mesh, double cell);
+
+  void add(const LineSample& sample);
+  /// Takes back what was added last.
+  void dropLast();
+  std::size_t size() const { return samples_.size(); }
+  const LineSample& operator[](std::size_t i) const { return samples_[i]; }
+
+  struct Found {
+    double distance;
+    const LineSample* sample;
+  };
+  /// The nearest of the samples within the radius that accept(sample) admits.
+  template <typename Accept>
+  std::optional<Found> nearest(const Vec3& p, Index face, double radius, SurfacePatch& patch,
+                               const Accept& accept) const;
+
+ private:
+  static constexpr std::uint32_t kEnd = 0xffffffffU;
+  using Cell = Eigen::Matrix<std::int64_t, 3, 1>;
+
+  Cell cellOf(const Vec3& p) const { return ((p - origin_) / cell_).array().floor().cast<std::int64_t>(); }
+  std::size_t bucket(const Cell& c) const {
+    const auto mixed = static_cast<std::uint64_t>(c[0]) * 0x9E3779B97F4A7C15ULL ^
+                       static_cast<std::uint64_t>(c[1]) * 0xC2B2AE3D27D4EB4FULL ^
+                       static_cast<std::uint64_t>(c[2]) * 0x165667B19E3779F9ULL;
+    return (mixed ^ mixed >> 32) & (heads_.size() - 1);
+  }
+  void link(std::size_t i);
+
+  const TriangleMesh* mesh_;
+  Vec3 origin_;
+  double cell_;
+  std::vector<LineSample> samples_;
+  std::vector<std::uint32_t> heads_, next_;  ///< chains of samples, the latest first
+};
+
+// Inline: the inner loop of placement
+// ----------------------------------------------------------------------------------
+
+template <typename Accept>
+std::optional<NearLines::Found> NearLines::nearest(const Vec3& p, Index face, double radius, SurfacePatch& patch,
+                                                   const Accept& accept) const {
+  const Vec3 normal = mesh_->faceNormal(face), reach = Vec3::Constant(radius);
+  const Cell low = cellOf(p - reach), high = cellOf(p + reach);
+  double best = radius * radius;
+  const LineSample* found = nullptr;
+  bool gathered = false;
+  Cell c;
+  for (c[0] = low[0]; c[0] <= high[0]; ++c[0]) {
+    for (c[1] = low[1]; c[1] <= high[1]; ++c[1]) {
+      for (c[2] = low[2]; c[2] <= high[2]; ++c[2]) {
+        for (std::uint32_t i = heads_[bucket(c)]; i != kEnd; i = next_[i]) {
+          const LineSample& sample = samples_[i];
+          const double squared = squaredSurfaceDistance(p, normal, sample.position, sample.normal);
+          if (squared >= best || !accept(sample)) continue;
+          if (sample.face != face) {
+            if (!gathered) patch.gather(face, p, radius);
+            gathered = true;
+            if (!patch.contains(sample.face)) continue;
+          }
+          best = squared;
+          found = &sample;
+        }
+      }
+    }
+  }
+  if (found == nullptr) return std::nullopt;
+  return Found{std::sqrt(best), found};
+}
+
+}  // namespace stormfield
