@@ -2,10 +2,12 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
 #include "field/poincare_index.h"
+#include "topology/separatrix_directions.h"
 #include "topology/zero_search.h"
 
 namespace stormfield {
@@ -20,6 +22,29 @@ FixedPoint locate(const VectorField& field, Index f, int index) {
   result.jacobian = local.jacobian(local.point(result.point.barycentric));
   result.rotation = result.jacobian(1, 0) - result.jacobian(0, 1);
   return result;
+}
+
+void addEigenvectors(const VertexCharts& charts, FixedPoint& p) {
+  const double half = 0.5 * p.jacobian.trace(), det = p.jacobian.determinant();
+  const double discriminant = half * half - det;
+  if (discriminant < 0.0) {
+    const double turning = std::sqrt(-discriminant);
+    p.eigenvalues = {Complex(half, turning), Complex(half, -turning)};
+    return;
+  }
+  // The one of larger size first, the other from the product: no cancellation.
+  const double large = half + std::copysign(std::sqrt(discriminant), half);
+  const double small = large == 0.0 ? 0.0 : det / large;
+  p.eigenvalues = {std::max(large, small), std::min(large, small)};
+  for (int i = 0; i < 2; ++i) {
+    // Columns of J - (the other eigenvalue) lie along the eigenvector.
+    const Eigen::Matrix2d along = p.jacobian - p.eigenvalues[1 - i].real() * Eigen::Matrix2d::Identity();
+    const int column = along.col(0).squaredNorm() >= along.col(1).squaredNorm() ? 0 : 1;
+    const Complex vector(along(0, column), along(1, column));
+    const Complex direction =
+        vector == 0.0 ? Complex(i == 0 ? 1.0 : 0.0, i == 0 ? 0.0 : 1.0) : vector / std::abs(vector);
+    p.eigenvectors[i] = charts.faceToSpace(p.point.face, direction);
+  }
 }
 
 /// The vertex whose zero vector is this fixed point, or kNone.
@@ -93,7 +118,11 @@ std::vector<FixedPoint> findFixedPoints(const VectorField& field, const FixedPoi
   tbb::parallel_for(std::size_t{0}, faces.size(),
                     [&](std::size_t i) { found[i] = locate(field, faces[i], indices[faces[i]]); });
   found = mergedAtVertices(field, found);
-  for (FixedPoint& p : found) p.kind = classify(p.jacobian, p.index, options.relativeTolerance);
+  for (FixedPoint& p : found) {
+    p.kind = classify(p.jacobian, p.index, options.relativeTolerance);
+    addEigenvectors(*field.charts, p);
+    if (p.index < 0) p.separatrices = separatrixDirections(field, p.point);
+  }
   return found;
 }
 
