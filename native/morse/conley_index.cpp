@@ -1,0 +1,156 @@
+#include "morse/conley_index.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "morse/union_find.h"
+
+namespace stormfield {
+namespace {
+
+/// A set of faces as a cell complex of its own, whose vertices are classes of corners. Corner k of its i-th face is
+/// 3 i + k, as is the halfedge that starts there.
+class Complex2 {
+ public:
+  Complex2(const TriangleMesh& mesh, const FaceSets& sets, Index set, Corners corners)
+      : mesh_(mesh), sets_(sets), set_(set), faces_(sets.faces(set)), vertices_(cornerCount()), pieces_(faceCount()) {
+    for (Index c = 0; c < cornerCount(); ++c) {
+      const Index twin = twinOf(c);
+      if (twin == kNone) {
+        ++edges_;
+        continue;
+      }
+      if (twin < c) continue;
+      ++edges_;
+      vertices_.join(c, TriangleMesh::next(twin));
+      vertices_.join(TriangleMesh::next(c), twin);
+      pieces_.join(c / 3, twin / 3);
+    }
+    if (corners == Corners::Together) joinCorners();
+  }
+
+  Index faceCount() const { return static_cast<Index>(faces_.size()); }
+  Index cornerCount() const { return 3 * faceCount(); }
+  Index vertex(Index corner) { return vertices_.find(corner); }
+  Index meshVertex(Index corner) const { return mesh_.tail(3 * faces_[corner / 3] + corner % 3); }
+  /// Its twin's place when that is in the set too, else kNone: the edge is on the boundary.
+  Index twinOf(Index corner) const {
+    const Index twin = mesh_.twin(3 * faces_[corner / 3] + corner % 3);
+    if (twin == kNone || sets_.setOf(TriangleMesh::face(twin)) != set_) return kNone;
+    return 3 * sets_.placeOf(TriangleMesh::face(twin)) + TriangleMesh::corner(twin);
+  }
+  /// Faces that share edges.
+  Index piece(Index face) { return pieces_.find(face); }
+
+  int euler() {
+    Index count = 0;
+    for (Index c = 0; c < cornerCount(); ++c) count += vertex(c) == c;
+    return count - edges_ + faceCount();
+  }
+
+ private:
+  void joinCorners() {
+    std::vector<std::pair<Index, Index>> byVertex;
+    byVertex.reserve(cornerCount());
+    for (Index c = 0; c < cornerCount(); ++c) byVertex.emplace_back(meshVertex(c), c);
+    std::sort(byVertex.begin(), byVertex.end());
+    for (std::size_t i = 1; i < byVertex.size(); ++i) {
+      if (byVertex[i].first == byVertex[i - 1].first) vertices_.join(byVertex[i].second, byVertex[i - 1].second);
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  const FaceSets& sets_;
+  Index set_;
+  const std::vector<Index>& faces_;
+  UnionFind vertices_, pieces_;
+  Index edges_ = 0;
+};
+
+struct ExitSet {
+  std::vector<char> vertices;  ///< per corner, set at the name of its vertex
+  int euler = 0;
+};
+
+ExitSet exitSet(Complex2& n, const IndexPair& pair) {
+  ExitSet l{std::vector<char>(n.cornerCount(), 0)};
+  for (Index c = 0; c < n.cornerCount(); ++c) {
+    const Index vertex = n.meshVertex(c);
+    if (std::binary_search(pair.exitVertices.begin(), pair.exitVertices.end(), vertex)) l.vertices[n.vertex(c)] = 1;
+    const Exit exit = pair.exits[c];
+    if (exit == Exit::None || n.twinOf(c) != kNone) continue;
+    // A part of an edge shrinks to its end; only whole edges are cells of L.
+    if (exit != Exit::AtHead) l.vertices[n.vertex(c)] = 1;
+    if (exit != Exit::AtTail) l.vertices[n.vertex(TriangleMesh::next(c))] = 1;
+    if (exit == Exit::Whole) --l.euler;
+  }
+  l.euler += static_cast<int>(std::count(l.vertices.begin(), l.vertices.end(), 1));
+  return l;
+}
+
+/// Pieces, also connected through vertices alone, that L does not meet.
+int piecesWithoutExit(Complex2& n, const ExitSet& l) {
+  UnionFind joined(n.cornerCount());
+  for (Index c = 0; c < n.cornerCount(); ++c) {
+    joined.join(c, n.vertex(c));
+    joined.join(c, c - c % 3);
+  }
+  std::vector<char> meetsExit(n.cornerCount(), 0);
+  for (Index c = 0; c < n.cornerCount(); ++c) {
+    if (l.vertices[c] != 0) meetsExit[joined.find(c)] = 1;
+  }
+  int count = 0;
+  for (Index c = 0; c < n.cornerCount(); ++c) count += joined.find(c) == c && meetsExit[c] == 0;
+  return count;
+}
+
+/// Pieces, connected through edges, whose boundary is in L: each is a cycle of H2(N, L), and there are no others.
+int piecesWithinExit(Complex2& n, const IndexPair& pair) {
+  std::vector<char> open(n.faceCount(), 0);
+  for (Index c = 0; c < n.cornerCount(); ++c) {
+    if (n.twinOf(c) == kNone && pair.exits[c] != Exit::Whole) open[n.piece(c / 3)] = 1;
+  }
+  int count = 0;
+  for (Index f = 0; f < n.faceCount(); ++f) count += n.piece(f) == f && open[f] == 0;
+  return count;
+}
+
+}  // namespace
+
+MorseKind kindOf(const ConleyIndex& index) {
+  if (index == ConleyIndex{0, 0, 1}) return MorseKind::Source;
+  if (index == ConleyIndex{1, 0, 0}) return MorseKind::Sink;
+  if (index == ConleyIndex{0, 1, 0}) return MorseKind::Saddle;
+  if (index == ConleyIndex{1, 1, 0}) return MorseKind::Attracting;
+  if (index == ConleyIndex{0, 1, 1}) return MorseKind::Repelling;
+  return index == ConleyIndex{} ? MorseKind::Trivial : MorseKind::Other;
+}
+
+const char* name(MorseKind kind) {
+  switch (kind) {
+    case MorseKind::Source:
+      return "source";
+    case MorseKind::Sink:
+      return "sink";
+    case MorseKind::Saddle:
+      return "saddle";
+    case MorseKind::Attracting:
+      return "attracting";
+    case MorseKind::Repelling:
+      return "repelling";
+    case MorseKind::Trivial:
+      return "trivial";
+    case MorseKind::Other:
+      break;
+  }
+  return "other";
+}
+
+ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index set, const IndexPair& pair) {
+  Complex2 n(mesh, sets, set, pair.corners);
+  const ExitSet l = exitSet(n, pair);
+  const int b0 = piecesWithoutExit(n, l), b2 = piecesWithinExit(n, pair);
+  return {b0, b0 + b2 - (n.euler() - l.euler), b2};
+}
+
+}  // namespace stormfield

@@ -1,0 +1,64 @@
+// The Conley index of a region of faces as Betti numbers of its index pair (N, L): the ranks of the relative homology
+// H(N, L) over Z/2, where L is the exit set on the boundary of N (thesis 2.3.2, 8.2.3).
+//
+//   b0 = pieces of N without exit,  b2 = pieces of N whose whole boundary is exit,
+//   b1 = b0 + b2 - (chi(N) - chi(L)),
+//
+// which takes time linear in the faces of N, for any genus and any number of boundary loops.
+//
+// With a geometry-based map N is an isolating block: all its boundary edges are crossed one way. The flow grazes N from
+// outside only, so that corners of N that merely touch are apart: at a vertex where two fans of N meet, each has a copy
+// of it. The index is then exact, and b0 - b1 + b2 is the sum of the Poincare indices inside (less the grazings of
+// exit_set.h at the surface's own boundary). With a tau map, N and L are closed unions of faces and the numbers are an
+// upper bound of the index (thesis 8.2.3).
+//
+//   IndexPair pair{...};                      // exit_set.h
+//   const ConleyIndex index = conleyIndex(mesh, sets, s, pair);
+//   kindOf(index) == MorseKind::Saddle;       // (0, 1, 0)
+#pragma once
+
+#include "mesh/triangle_mesh.h"
+#include "morse/face_sets.h"
+
+namespace stormfield {
+
+struct ConleyIndex {
+  int b0 = 0, b1 = 0, b2 = 0;
+
+  int euler() const { return b0 - b1 + b2; }
+  friend bool operator==(const ConleyIndex&, const ConleyIndex&) = default;
+};
+
+/// What the index says about the flow inside (thesis 2.3.2).
+enum class MorseKind {
+  Source,      ///< (0, 0, 1)
+  Sink,        ///< (1, 0, 0)
+  Saddle,      ///< (0, 1, 0)
+  Attracting,  ///< (1, 1, 0): an attracting periodic orbit
+  Repelling,   ///< (0, 1, 1): a repelling periodic orbit
+  Trivial,     ///< (0, 0, 0): possibly nothing, possibly a pair that cancels
+  Other        ///< more than one of them
+};
+
+MorseKind kindOf(const ConleyIndex& index);
+/// Lower-case word used in files and messages.
+const char* name(MorseKind kind);
+
+/// The part of a boundary edge, seen along the halfedge in N, where flow leaves. The ends of such a part belong to it.
+enum class Exit : char { None, AtTail, AtHead, Whole };
+
+/// Whether corners of N at one vertex that share no edge of N are copies of it, or one point.
+enum class Corners : char { Apart, Together };
+
+/// L, for a set N of faces. exits has three entries for each face of N, in its order; those of halfedges between two
+/// faces of N count for nothing.
+struct IndexPair {
+  std::vector<Exit> exits;
+  std::vector<Index> exitVertices{};  ///< further vertices of N that belong to L, ascending; only with corners together
+  Corners corners = Corners::Apart;
+};
+
+/// The index of one of the sets.
+ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index set, const IndexPair& pair);
+
+}  // namespace stormfield

@@ -1,0 +1,134 @@
+#include "morse/morse_connection_graph.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <unordered_map>
+#include <utility>
+
+namespace stormfield {
+namespace {
+
+/// Sets of ends, each kept once and named by a number, with a memory of their unions: neighbouring faces lead to the
+/// same ends, so that there are far fewer different sets than faces.
+class EndSets {
+ public:
+  static constexpr Index kEmpty = 0;
+
+  Index single(Index end) { return number({end}); }
+
+  Index unite(Index a, Index b) {
+    if (a == b || b == kEmpty) return a;
+    if (a == kEmpty) return b;
+    if (a > b) std::swap(a, b);
+    const std::uint64_t key = static_cast<std::uint64_t>(a) << 32U | static_cast<std::uint64_t>(b);
+    const auto known = unions_.find(key);
+    if (known != unions_.end()) return known->second;
+    std::vector<Index> both;
+    std::set_union(ends(a).begin(), ends(a).end(), ends(b).begin(), ends(b).end(), std::back_inserter(both));
+    return unions_[key] = number(std::move(both));
+  }
+
+  const std::vector<Index>& ends(Index set) const { return *sets_[set]; }
+
+ private:
+  Index number(std::vector<Index> ends) {
+    const auto [at, added] = numbers_.try_emplace(std::move(ends), static_cast<Index>(sets_.size()));
+    if (added) sets_.push_back(&at->first);
+    return at->second;
+  }
+
+  std::map<std::vector<Index>, Index> numbers_{{{}, kEmpty}};
+  std::vector<const std::vector<Index>*> sets_{&numbers_.begin()->first};
+  std::unordered_map<std::uint64_t, Index> unions_;
+};
+
+/// The nodes of each component, one after the other.
+struct Members {
+  std::vector<std::size_t> first;
+  std::vector<Index> nodes;
+
+  explicit Members(const Components& components)
+      : first(static_cast<std::size_t>(components.count()) + 1, 0), nodes(components.of.size()) {
+    for (Index c = 0; c < components.count(); ++c) first[c + 1] = first[c] + components.sizes[c];
+    std::vector<std::size_t> next(first.begin(), first.end() - 1);
+    for (std::size_t node = 0; node < nodes.size(); ++node) {
+      nodes[next[components.of[node]]++] = static_cast<Index>(node);
+    }
+  }
+};
+
+/// Per Morse set the sets, and outside as number sets.count(), that F leads to without passing through others.
+DirectedGraph nextSets(const CombinatorialMap& map, const Components& components, const FaceSets& sets) {
+  const Members members(components);
+  EndSets ends;
+  // In the order of components, whose targets have lower numbers.
+  std::vector<Index> leadsTo(components.count(), EndSets::kEmpty), beyond(sets.count(), EndSets::kEmpty);
+  for (Index c = 0; c < components.count(); ++c) {
+    Index all = EndSets::kEmpty;
+    for (std::size_t m = members.first[c]; m < members.first[c + 1]; ++m) {
+      for (const Index* t = map.graph.begin(members.nodes[m]); t != map.graph.end(members.nodes[m]); ++t) {
+        if (components.of[*t] != c) all = ends.unite(all, leadsTo[components.of[*t]]);
+      }
+    }
+    const Index node = members.nodes[members.first[c]];
+    const Index set = node == map.outside() ? sets.count() : sets.setOf(node);
+    if (set != kNone && set < sets.count()) beyond[set] = all;
+    leadsTo[c] = set == kNone ? all : ends.single(set);
+  }
+  DirectedGraph result;
+  for (const Index all : beyond) {
+    result.targets.insert(result.targets.end(), ends.ends(all).begin(), ends.ends(all).end());
+    result.offsets.push_back(result.targets.size());
+  }
+  result.offsets.push_back(result.targets.size());
+  return result;
+}
+
+/// Nodes that can be reached from the start, itself included.
+std::vector<char> reachable(const DirectedGraph& graph, const std::vector<Index>& start) {
+  std::vector<char> seen(graph.nodeCount(), 0);
+  std::vector<Index> open = start;
+  for (const Index node : start) seen[node] = 1;
+  while (!open.empty()) {
+    const Index node = open.back();
+    open.pop_back();
+    for (const Index* t = graph.begin(node); t != graph.end(node); ++t) {
+      if (seen[*t] != 0) continue;
+      seen[*t] = 1;
+      open.push_back(*t);
+    }
+  }
+  return seen;
+}
+
+}  // namespace
+
+MorseConnectionGraph morseConnectionGraph(const CombinatorialMap& map, const Components& components,
+                                          const FaceSets& sets) {
+  const DirectedGraph next = nextSets(map, components, sets);
+  const DirectedGraph least = transitiveReduction(next);
+  MorseConnectionGraph result;
+  for (Index a = 0; a < sets.count(); ++a) {
+    for (const Index* b = least.begin(a); b != least.end(a); ++b) {
+      if (*b < sets.count()) result.edges.push_back({a, *b});
+    }
+  }
+  result.outflow = reachable(reversed(next), {sets.count()});
+  result.outflow.pop_back();
+  return result;
+}
+
+std::vector<Index> connectionRegion(const CombinatorialMap& map, const FaceSets& sets, Index from, Index to) {
+  const std::vector<char> after = reachable(map.graph, sets.faces(from));
+  const std::vector<char> before = reachable(reversed(map.graph), sets.faces(to));
+  std::vector<Index> result;
+  for (Index f = 0; f < map.outside(); ++f) {
+    const bool between = after[f] != 0 && before[f] != 0;
+    if (between && sets.setOf(f) != from && sets.setOf(f) != to) result.push_back(f);
+  }
+  return result;
+}
+
+}  // namespace stormfield

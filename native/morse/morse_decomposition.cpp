@@ -1,0 +1,94 @@
+#include "morse/morse_decomposition.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+#include "base/message.h"
+#include "field/poincare_index.h"
+#include "morse/exit_set.h"
+#include "morse/recurrence.h"
+
+namespace stormfield {
+namespace {
+
+void checkSize(std::size_t size, Index faces, const char* what) {
+  if (size == static_cast<std::size_t>(faces)) return;
+  throw InputError(message(what, " has ", size, " faces, but the mesh has ", faces, "; make it on the same mesh"));
+}
+
+/// The sets of those numbers that are chosen.
+FaceSets chosen(const FaceSets& sets, const std::vector<char>& isChosen) {
+  std::vector<Index> number(sets.count(), kNone);
+  Index count = 0;
+  for (Index s = 0; s < sets.count(); ++s) {
+    if (isChosen[s] != 0) number[s] = count++;
+  }
+  std::vector<Index> setOf = sets.setOf();
+  for (Index& set : setOf) set = set == kNone ? kNone : number[set];
+  return {std::move(setOf), count};
+}
+
+}  // namespace
+
+FaceSets recurrentSets(const CombinatorialMap& map, const Components& components) {
+  std::vector<Index> number(components.count(), kNone), setOf(map.outside(), kNone);
+  Index count = 0;
+  for (Index f = 0; f < map.outside(); ++f) {
+    const Index component = components.of[f];
+    if (components.recurrent[component] == 0) continue;
+    if (number[component] == kNone) number[component] = count++;
+    setOf[f] = number[component];
+  }
+  return {std::move(setOf), count};
+}
+
+MorseSet morseSet(const VectorField& field, const CombinatorialMap& map, const std::vector<int>& poincare,
+                  const std::vector<char>& mapped, const FaceSets& faces, Index set) {
+  MorseSet result;
+  for (const Index f : faces.faces(set)) {
+    result.poincare += poincare[f];
+    result.upperBound = result.upperBound || (!mapped.empty() && mapped[f] != 0);
+  }
+  const IndexPair pair = result.upperBound ? mapPair(field, map, faces, set) : flowPair(field, map, faces, set);
+  result.index = conleyIndex(field.mesh(), faces, set, pair);
+  result.kind = kindOf(result.index);
+  if (!result.upperBound) result.grazings = grazings(field, faces, set);
+  return result;
+}
+
+MorseDecomposition morseDecomposition(const VectorField& field, const CombinatorialMap& map,
+                                      const MorseOptions& options, Progress& progress) {
+  const TriangleMesh& mesh = field.mesh();
+  checkSize(static_cast<std::size_t>(map.outside()), mesh.faceCount(), "the combinatorial map");
+  if (!options.mapped.empty()) checkSize(options.mapped.size(), mesh.faceCount(), "the list of mapped faces");
+  if (!options.resting.empty()) checkSize(options.resting.size(), mesh.faceCount(), "the list of resting faces");
+
+  const Components components = stronglyConnectedComponents(map.graph);
+  progress.report(0.3);
+  progress.check();
+  const FaceSets recurrent = recurrentSets(map, components);
+  const std::vector<char> kept =
+      options.keepEmpty ? std::vector<char>(recurrent.count(), 1)
+                        : canRecur(mesh, recurrent, options.resting.empty() ? restingFaces(field) : options.resting);
+  progress.report(0.5);
+  progress.check();
+
+  MorseDecomposition result;
+  result.faces = chosen(recurrent, kept);
+  result.mapEdges = map.graph.edgeCount();
+  result.sets.resize(result.faces.count());
+  const std::vector<int> poincare = poincareIndices(field);
+  tbb::parallel_for(Index{0}, result.faces.count(), [&](Index s) {
+    if (!progress.cancelled()) result.sets[s] = morseSet(field, map, poincare, options.mapped, result.faces, s);
+  });
+  progress.report(0.7);
+  progress.check();
+  result.graph = morseConnectionGraph(map, components, result.faces);
+  progress.report(1.0);
+  return result;
+}
+
+}  // namespace stormfield

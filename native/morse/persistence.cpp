@@ -1,0 +1,163 @@
+#include "morse/persistence.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "morse/union_find.h"
+
+namespace stormfield {
+namespace {
+
+/// An edge between nodes of the current part; rank: place of its epsilon among all different ones.
+struct Edge {
+  Index from, to, rank, id;
+};
+
+class Bisection {
+ public:
+  Bisection(Index nodes, Index edges, Index never, Progress& progress)
+      : never_(never), progress_(progress), level_(edges, never), number_(nodes, kNone) {}
+
+  /// Per edge the rank from which its ends are strongly connected, or never where earlier edges connect them.
+  std::vector<Index> run(std::vector<Edge> edges) && {
+    solve(0, never_, std::move(edges));
+    return std::move(level_);
+  }
+
+ private:
+  /// Edges whose ends are strongly connected from a rank in low..high on (at never_: possibly not at all).
+  void solve(Index low, Index high, std::vector<Edge> edges) {
+    if (edges.empty()) return;
+    progress_.check();
+    progress_.report(static_cast<double>(low) / static_cast<double>(never_));
+    if (low == high) {
+      for (const Edge& edge : edges) level_[edge.id] = low;
+      return;
+    }
+    const Index middle = low + (high - low) / 2;
+    const std::vector<Index> nodes = renumber(edges);
+    const Components parts = stronglyConnectedComponents(graphUpTo(middle, static_cast<Index>(nodes.size()), edges));
+    std::vector<Edge> within, between;
+    for (const Edge& edge : edges) {
+      const Index from = parts.of[edge.from], to = parts.of[edge.to];
+      if (from != to) between.push_back({from, to, edge.rank, edge.id});
+      // An edge that appears later, between ends that are connected already, adds nothing.
+      if (from == to && edge.rank <= middle) within.push_back(edge);
+    }
+    edges = {};
+    solve(low, middle, std::move(within));
+    solve(middle + 1, high, std::move(between));
+  }
+
+  /// Numbers the ends of the edges from 0 without gaps.
+  std::vector<Index> renumber(std::vector<Edge>& edges) {
+    std::vector<Index> nodes;
+    const auto numberOf = [&](Index node) {
+      if (number_[node] == kNone) {
+        number_[node] = static_cast<Index>(nodes.size());
+        nodes.push_back(node);
+      }
+      return number_[node];
+    };
+    for (Edge& edge : edges) {
+      edge.from = numberOf(edge.from);
+      edge.to = numberOf(edge.to);
+    }
+    for (const Index node : nodes) number_[node] = kNone;
+    return nodes;
+  }
+
+  /// Rows may hold a target more than once, in any order: strongly connected components do not mind.
+  static DirectedGraph graphUpTo(Index rank, Index nodes, const std::vector<Edge>& edges) {
+    DirectedGraph graph;
+    graph.offsets.assign(static_cast<std::size_t>(nodes) + 1, 0);
+    for (const Edge& edge : edges) {
+      if (edge.rank <= rank) ++graph.offsets[static_cast<std::size_t>(edge.from) + 1];
+    }
+    std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
+    graph.targets.resize(graph.offsets.back());
+    std::vector<std::size_t> next(graph.offsets.begin(), graph.offsets.end() - 1);
+    for (const Edge& edge : edges) {
+      if (edge.rank <= rank) graph.targets[next[edge.from]++] = edge.to;
+    }
+    return graph;
+  }
+
+  Index never_;
+  Progress& progress_;
+  std::vector<Index> level_, number_;
+};
+
+}  // namespace
+
+MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress) {
+  const DirectedGraph& graph = bounded.map.graph;
+  std::vector<double> epsilons;
+  std::vector<Edge> edges;
+  const auto isPair = [&](Index node, std::size_t e) {
+    return graph.targets[e] != node && graph.targets[e] != bounded.map.outside() &&
+           bounded.from[e] < std::numeric_limits<double>::infinity();
+  };
+  for (Index node = 0; node < graph.nodeCount(); ++node) {
+    for (std::size_t e = graph.offsets[node]; e < graph.offsets[node + 1]; ++e) {
+      if (isPair(node, e)) epsilons.push_back(bounded.from[e]);
+    }
+  }
+  std::vector<double> ranks = epsilons;
+  std::sort(ranks.begin(), ranks.end());
+  ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
+  for (Index node = 0; node < graph.nodeCount(); ++node) {
+    for (std::size_t e = graph.offsets[node]; e < graph.offsets[node + 1]; ++e) {
+      if (!isPair(node, e)) continue;
+      const Index id = static_cast<Index>(edges.size());
+      const auto rank = std::lower_bound(ranks.begin(), ranks.end(), epsilons[id]) - ranks.begin();
+      edges.push_back({node, graph.targets[e], static_cast<Index>(rank), id});
+    }
+  }
+  const Index never = static_cast<Index>(ranks.size());
+  const std::vector<Edge> pairs = edges;
+  Bisection bisection(graph.nodeCount(), static_cast<Index>(edges.size()), never, progress);
+  const std::vector<Index> level = std::move(bisection).run(std::move(edges));
+
+  std::vector<Index> byLevel(pairs.size());
+  std::iota(byLevel.begin(), byLevel.end(), 0);
+  std::sort(byLevel.begin(), byLevel.end(),
+            [&](Index a, Index b) { return level[a] != level[b] ? level[a] < level[b] : a < b; });
+  UnionFind joined(graph.nodeCount());
+  MergeLevels result;
+  for (const Index id : byLevel) {
+    if (level[id] == never) break;
+    if (!joined.join(pairs[id].from, pairs[id].to)) continue;
+    result.epsilon.push_back(ranks[level[id]]);
+    result.first.push_back(pairs[id].from);
+    result.second.push_back(pairs[id].to);
+  }
+  return result;
+}
+
+std::vector<double> persistenceOf(const MergeLevels& levels, const FaceSets& sets, double epsilon) {
+  constexpr Index kSeveral = -2;
+  std::vector<double> result(sets.count(), std::numeric_limits<double>::infinity());
+  std::vector<Index> holds = sets.setOf();  // per joined class: its only Morse set, or none, or several
+  UnionFind joined(static_cast<Index>(holds.size()));
+  for (std::size_t i = 0; i < levels.epsilon.size(); ++i) {
+    const Index a = joined.find(levels.first[i]), b = joined.find(levels.second[i]);
+    joined.join(a, b);
+    const Index left = holds[a], right = holds[b];
+    Index& both = holds[joined.find(a)];
+    if (left == kNone || right == kNone || left == right) {
+      both = left == kNone ? right : left;
+      continue;
+    }
+    for (const Index set : {left, right}) {
+      if (set != kSeveral) result[set] = std::max(levels.epsilon[i], epsilon);
+    }
+    both = kSeveral;
+  }
+  return result;
+}
+
+}  // namespace stormfield
