@@ -11,6 +11,7 @@ PYBIND11_MODULE(stormfield_native, m) {
   bind_tracing(m);
   bind_topology(m);
   bind_tracking(m);
+  bind_morse(m);
   bind_streamlines(m);
   bind_solver(m);
   bind_design(m);

@@ -1,0 +1,170 @@
+#include <pybind11/stl.h>
+
+#include "bindings/bindings.h"
+#include "bindings/job.h"
+#include "topology/tracking.h"
+
+namespace stormfield::bindings {
+namespace {
+
+using TrackingPointer = std::shared_ptr<const Tracking>;
+
+/// Python's view of one path: part of a Tracking, which it keeps.
+struct PathView {
+  TrackingPointer tracking;
+  std::size_t number;
+
+  const TrackedPath& path() const { return tracking->paths[number]; }
+};
+
+std::shared_ptr<Job<TrackingPointer>> startTracking(const ParameterizedFieldHandle& field, double relativeTolerance,
+                                                    double hopfDamping, double chordTolerance,
+                                                    const std::shared_ptr<Progress>& progress) {
+  const TrackingOptions options{relativeTolerance, hopfDamping, chordTolerance};
+  // The job outlives the argument, so it works on a copy.
+  auto copy = std::make_shared<const ParameterizedField>(field.field);
+  return std::make_shared<Job<TrackingPointer>>(
+      [=](Progress& p) { return std::make_shared<const Tracking>(trackFixedPoints(*copy, options, p)); }, progress);
+}
+
+std::vector<PathView> views(const TrackingPointer& tracking) {
+  std::vector<PathView> result;
+  for (std::size_t i = 0; i < tracking->paths.size(); ++i) result.push_back({tracking, i});
+  return result;
+}
+
+const char* beginName(PathEnd end) {
+  return end == PathEnd::Range ? "first" : end == PathEnd::Boundary ? "boundary" : "creation";
+}
+const char* endName(PathEnd end) {
+  return end == PathEnd::Range ? "last" : end == PathEnd::Boundary ? "boundary" : "annihilation";
+}
+
+/// (k, columns) from the k samples of a path.
+template <typename T, typename Get>
+py::array_t<T> column(const PathView& view, py::ssize_t columns, const Get& get) {
+  const auto& samples = view.path().samples;
+  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(samples.size())};
+  if (columns > 1) shape.push_back(columns);
+  py::array_t<T> result(shape);
+  T* to = result.mutable_data();
+  for (const PathSample& sample : samples) {
+    for (py::ssize_t c = 0; c < columns; ++c) *to++ = get(sample, c);
+  }
+  return result;
+}
+
+std::vector<std::string> kinds(const PathView& view) {
+  std::vector<std::string> result;
+  for (const PathSample& sample : view.path().samples) result.emplace_back(name(sample.kind));
+  return result;
+}
+
+std::vector<Index> pathsOf(const Bifurcation& event) {
+  std::vector<Index> result;
+  for (const Index path : event.paths) {
+    if (path != kNone) result.push_back(path);
+  }
+  return result;
+}
+
+py::array_t<double> vectorArray(const Vec3& v) {
+  return py::array_t<double>(3, v.data());
+}
+
+void bindPath(py::module_& m) {
+  py::class_<PathView>(m, "TrackedPath", py::module_local(), "One fixed point over lambda: k samples. Immutable.")
+      .def_property_readonly(
+          "index", [](const PathView& v) { return v.path().index; }, "Poincare index, +1 or -1.")
+      .def_property_readonly(
+          "kind", [](const PathView& v) { return name(v.path().kind); },
+          "source, sink, saddle, center or degenerate: what it is for the longest part of its life.")
+      .def_property_readonly(
+          "begin", [](const PathView& v) { return beginName(v.path().begin); }, "first, boundary or creation.")
+      .def_property_readonly(
+          "end", [](const PathView& v) { return endName(v.path().end); }, "last, boundary or annihilation.")
+      .def_property_readonly(
+          "life", [](const PathView& v) { return v.path().life(); }, "Part of lambda it lives through.")
+      .def_property_readonly(
+          "strength", [](const PathView& v) { return v.path().strength; }, "Mean of sqrt|det J| over its life, 1/s.")
+      .def_property_readonly(
+          "rotation", [](const PathView& v) { return v.path().rotation; }, "Mean of the curl over its life, 1/s.")
+      .def_property_readonly(
+          "lambdas",
+          [](const PathView& v) {
+            return column<double>(v, 1, [](const PathSample& s, py::ssize_t) { return s.lambda; });
+          },
+          "(k,) float64, increasing.")
+      .def_property_readonly(
+          "positions",
+          [](const PathView& v) {
+            return column<double>(v, 3, [](const PathSample& s, py::ssize_t c) { return s.position[c]; });
+          },
+          "(k, 3) float64, mesh units.")
+      .def_property_readonly(
+          "faces",
+          [](const PathView& v) {
+            return column<Index>(v, 1, [](const PathSample& s, py::ssize_t) { return s.point.face; });
+          },
+          "(k,) int32.")
+      .def_property_readonly(
+          "barycentric",
+          [](const PathView& v) {
+            return column<double>(v, 3, [](const PathSample& s, py::ssize_t c) { return s.point.barycentric[c]; });
+          },
+          "(k, 3) float64, coordinates in the faces.")
+      .def_property_readonly("kinds", &kinds, "Kind at each sample.")
+      .def("__repr__", [](const PathView& v) {
+        const TrackedPath& path = v.path();
+        return message("<TrackedPath ", name(path.kind), " from ", path.samples.front().lambda, " to ",
+                       path.samples.back().lambda, ">");
+      });
+}
+
+void bindBifurcation(py::module_& m) {
+  py::class_<Bifurcation>(m, "Bifurcation", py::module_local(), "Where the topology changes. Immutable.")
+      .def_readonly("lam", &Bifurcation::lambda)
+      .def_property_readonly(
+          "face", [](const Bifurcation& b) { return b.point.face; }, "Face that holds the place.")
+      .def_property_readonly(
+          "barycentric", [](const Bifurcation& b) { return vectorArray(b.point.barycentric); }, "(3,) float64.")
+      .def_property_readonly(
+          "position", [](const Bifurcation& b) { return vectorArray(b.position); }, "(3,) float64, mesh units.")
+      .def_property_readonly(
+          "kind", [](const Bifurcation& b) { return name(b.kind); }, "creation, annihilation or hopf.")
+      .def_property_readonly(
+          "node", [](const Bifurcation& b) { return name(b.node); },
+          "Source or sink that meets the saddle; hopf: what the path becomes.")
+      .def_property_readonly("paths", &pathsOf, "Numbers of the node's and the saddle's path; hopf: of one path.")
+      .def("__repr__",
+           [](const Bifurcation& b) { return message("<Bifurcation ", name(b.kind), " at lambda ", b.lambda, ">"); });
+}
+
+}  // namespace
+
+void bind_tracking(py::module_& m) {
+  bindPath(m);
+  bindBifurcation(m);
+  py::class_<Tracking, std::shared_ptr<Tracking>>(m, "Tracking", py::module_local(),
+                                                  "The history of a field's fixed points over lambda. Immutable.")
+      .def_property_readonly(
+          "paths", [](const std::shared_ptr<Tracking>& t) { return views(t); },
+          "List of TrackedPath, in the order they begin.")
+      .def_property_readonly(
+          "bifurcations", [](const Tracking& t) { return t.bifurcations; }, "List of Bifurcation, by lambda.");
+
+  bindJob<Job<TrackingPointer>>(
+      m, "TrackingJob", "Tracking on a thread of its own.",
+      [](const TrackingPointer& tracking) { return std::const_pointer_cast<Tracking>(tracking); });
+
+  m.def("start_tracking", &startTracking, py::arg("field"), py::kw_only(), py::arg("relative_tolerance") = 1e-3,
+        py::arg("hopf_damping") = 0.02, py::arg("chord_tolerance") = 0.02, py::arg("progress") = py::none(),
+        "Follow every fixed point of a ParameterizedField over lambda: a TrackingJob, whose result is a Tracking.\n"
+        "relative_tolerance: as for fixed_points. hopf_damping: a Hopf bifurcation is listed once |trace| / (2 "
+        "sqrt(det))\n"
+        "has exceeded this on both sides. chord_tolerance: samples are added until the curves differ from their chords "
+        "by\n"
+        "less than this part of the mean edge length.");
+}
+
+}  // namespace stormfield::bindings

@@ -1,0 +1,104 @@
+#include "topology/tracking_samples.h"
+
+#include <algorithm>
+
+#include "topology/zero_search.h"
+
+namespace stormfield {
+namespace {
+
+constexpr int kHalvings = 6;
+/// Steps of lambda so short need no points in between: at a vertex they are round-off of one.
+constexpr double kInstant = 1e-9;
+
+}  // namespace
+
+WaySampler::WaySampler(const ParameterizedField& field, const std::vector<EdgeCrossing>& crossings,
+                       const TrackingOptions& options)
+    : field_(field), mesh_(field.charts->mesh()), crossings_(crossings), options_(options) {}
+
+std::vector<JetSample> WaySampler::sample(const FaceWay& way) const {
+  const std::vector<double>& lambdas = field_.lambdas;
+  std::vector<JetSample> result;
+  for (std::size_t k = 0; k < way.faces.size(); ++k) {
+    const Index face = way.faces[k];
+    const Index in = k == 0 ? way.begin : way.crossings[k - 1];
+    const Index out = k + 1 == way.faces.size() ? way.end : way.crossings[k];
+    const auto endpoint = [&](Index crossing, double otherwise) {
+      if (crossing == kNone) return inFace(face, otherwise, way.charge);
+      const double lambda = crossings_[crossing].lambda;
+      return jetAt(lambda, crossingPoint(crossings_[crossing], face), interpolant(face, lambda), way.charge);
+    };
+    JetSample first = endpoint(in, lambdas.front());
+    // Crossings of one event at a vertex may differ by round-off.
+    if (!result.empty()) first.sample.lambda = std::max(first.sample.lambda, result.back().sample.lambda);
+    if (k > 0) result.back().inSample = false;
+    result.push_back(first);
+    if (in == kNone && out == kNone && lambdas.size() == 1) break;
+
+    JetSample last = endpoint(out, lambdas.back());
+    last.sample.lambda = std::max(last.sample.lambda, first.sample.lambda);
+    const auto begin = std::upper_bound(lambdas.begin(), lambdas.end(), first.sample.lambda);
+    const auto end = std::lower_bound(lambdas.begin(), lambdas.end(), last.sample.lambda);
+    for (auto lambda = begin; lambda < end; ++lambda) refine(result, inFace(face, *lambda, way.charge), way.charge, 0);
+    refine(result, last, way.charge, 0);
+  }
+  return result;
+}
+
+JetSample WaySampler::inFace(Index face, double lambda, int index) const {
+  const FaceInterpolant local = interpolant(face, lambda);
+  return jetAt(lambda, {face, findZero(local, index)}, local, index);
+}
+
+SurfacePoint WaySampler::crossingPoint(const EdgeCrossing& crossing, Index face) const {
+  const Index h = mesh_.edgeHalfedge(crossing.edge);
+  const bool left = TriangleMesh::face(h) == face;
+  const Index own = left ? h : mesh_.twin(h);
+  const int tail = TriangleMesh::corner(own), head = (tail + 1) % 3;
+  SurfacePoint point;
+  point.face = face;
+  point.barycentric[left ? tail : head] = 1.0 - crossing.along;
+  point.barycentric[left ? head : tail] = crossing.along;
+  return point;
+}
+
+/// Appends last, with as many samples before it as the curve's bend asks for.
+void WaySampler::refine(std::vector<JetSample>& result, const JetSample& last, int index, int depth) const {
+  const PathSample from = result.back().sample;
+  const double lambda = 0.5 * (from.lambda + last.sample.lambda);
+  if (depth < kHalvings && last.sample.lambda - from.lambda > kInstant) {
+    const JetSample middle = inFace(last.sample.point.face, lambda, index);
+    const double bend = (middle.sample.position - 0.5 * (from.position + last.sample.position)).norm();
+    if (bend > options_.chordTolerance * mesh_.meanEdgeLength()) {
+      refine(result, middle, index, depth + 1);
+      refine(result, last, index, depth + 1);
+      return;
+    }
+  }
+  result.push_back(last);
+}
+
+JetSample WaySampler::jetAt(double lambda, const SurfacePoint& point, const FaceInterpolant& local, int index) const {
+  JetSample result;
+  result.jacobian = local.jacobian(local.point(point.barycentric));
+  result.sample = {lambda, point, position(mesh_, point), classify(result.jacobian, index, options_.relativeTolerance)};
+  return result;
+}
+
+FaceInterpolant WaySampler::interpolant(Index face, double lambda) const {
+  const std::vector<double>& lambdas = field_.lambdas;
+  const auto above = std::upper_bound(lambdas.begin(), lambdas.end(), lambda) - lambdas.begin();
+  const Index j = std::clamp<Index>(static_cast<Index>(above) - 1, 0, std::max<Index>(0, field_.sampleCount() - 2));
+  const Index k = std::min(j + 1, field_.sampleCount() - 1);
+  const double t = k > j ? (lambda - lambdas[j]) / (lambdas[k] - lambdas[j]) : 0.0;
+  const Complex *from = field_.sample(j), *to = field_.sample(k);
+  std::array<Complex, 3> values;
+  for (int i = 0; i < 3; ++i) {
+    const Index v = mesh_.vertex(face, i);
+    values[i] = (1.0 - t) * from[v] + t * to[v];
+  }
+  return FaceInterpolant(*field_.charts, face, values);
+}
+
+}  // namespace stormfield
