@@ -1,0 +1,198 @@
+#include <pybind11/stl.h>
+
+#include <cmath>
+
+#include "bindings/bindings.h"
+#include "bindings/job.h"
+#include "morse/morse_analysis.h"
+
+namespace stormfield::bindings {
+namespace {
+
+using MeshPointer = std::shared_ptr<MeshHandle>;
+
+struct MorseOutput {
+  MeshPointer mesh;
+  MorseAnalysis analysis;
+};
+using MorsePointer = std::shared_ptr<const MorseOutput>;
+
+/// One set, with the decomposition it belongs to.
+struct MorseSetView {
+  MorsePointer output;
+  Index set;
+
+  const MorseSet& data() const { return output->analysis.decomposition.sets[set]; }
+  const std::vector<Index>& faces() const { return output->analysis.decomposition.faces.faces(set); }
+};
+
+std::vector<double> inputWeights(const py::object& weights, Index vertices) {
+  if (weights.is_none()) return {};
+  return toVector(inputArray<double>(weights, "weights", {vertices}));
+}
+
+std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std::string& method,
+                                             const std::optional<double>& tau, double eps, bool relative,
+                                             const py::object& weights, bool persistence, bool keepEmpty) {
+  MorseAnalysisOptions options;
+  options.method = morseMethod(method);
+  options.tau = tau;
+  options.epsilon = eps;
+  options.relativeEpsilon = relative;
+  options.weights = inputWeights(weights, field.mesh->mesh().vertexCount());
+  options.persistence = persistence;
+  options.keepEmpty = keepEmpty;
+  return std::make_shared<Job<MorseOutput>>([mesh = field.mesh, f = field.field, options](Progress& progress) {
+    return MorseOutput{mesh, analyzeMorse(*mesh->flatFaces(), f, options, progress)};
+  });
+}
+
+MorsePointer simplified(const MorseOutput& output, double eps) {
+  const py::gil_scoped_release release;
+  Progress progress;
+  return std::make_shared<const MorseOutput>(MorseOutput{output.mesh, within(output.analysis, eps, progress)});
+}
+
+std::vector<MorseSetView> setsOf(const MorsePointer& output) {
+  std::vector<MorseSetView> views;
+  for (Index s = 0; s < output->analysis.decomposition.faces.count(); ++s) views.push_back({output, s});
+  return views;
+}
+
+py::array_t<Index> edgesOf(const MorseOutput& output) {
+  const auto& edges = output.analysis.decomposition.graph.edges;
+  py::array_t<Index> result({static_cast<py::ssize_t>(edges.size()), py::ssize_t{2}});
+  for (std::size_t i = 0; i < edges.size(); ++i) std::copy_n(edges[i].data(), 2, result.mutable_data() + 2 * i);
+  return result;
+}
+
+py::array_t<Index> connectionFaces(const MorseOutput& output, Index source, Index target) {
+  const MorseAnalysis& analysis = output.analysis;
+  const Index count = analysis.decomposition.faces.count();
+  for (const Index set : {source, target}) {
+    if (set < 0 || set >= count) throw InputError(message("there is no Morse set ", set, "; there are ", count));
+  }
+  std::vector<Index> faces;
+  {
+    const py::gil_scoped_release release;
+    faces = connectionRegion(*analysis.map, analysis.decomposition.faces, source, target);
+  }
+  return copied(faces);
+}
+
+py::dict secondsOf(const MorseOutput& output) {
+  py::dict seconds;
+  seconds["map"] = output.analysis.seconds.map;
+  seconds["sets"] = output.analysis.seconds.sets;
+  seconds["persistence"] = output.analysis.seconds.persistence;
+  return seconds;
+}
+
+std::optional<double> persistenceOf(const MorseSetView& set) {
+  const double value = set.data().persistence;
+  return std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
+}
+
+void bindSet(py::module_& m) {
+  py::class_<MorseSetView>(m, "MorseSet", py::module_local(), "Faces that enclose recurrence. Immutable.")
+      .def_property_readonly(
+          "faces", [](const MorseSetView& s) { return copied(s.faces()); }, "(k,) int32, ascending.")
+      .def_property_readonly(
+          "conley",
+          [](const MorseSetView& s) {
+            const ConleyIndex& index = s.data().index;
+            return py::make_tuple(index.b0, index.b1, index.b2);
+          },
+          "Conley index (b0, b1, b2); an upper bound of it where upper_bound is set.")
+      .def_property_readonly(
+          "upper_bound", [](const MorseSetView& s) { return s.data().upperBound; },
+          "Whether conley is an upper bound, as with tau maps, and not exact.")
+      .def_property_readonly(
+          "kind", [](const MorseSetView& s) { return name(s.data().kind); },
+          "source, sink, saddle, attracting, repelling, trivial or other, by the Conley index.")
+      .def_property_readonly(
+          "poincare", [](const MorseSetView& s) { return s.data().poincare; },
+          "Sum of the Poincare indices inside: b0 - b1 + b2 of an exact index away from the surface's boundary.")
+      .def_property_readonly(
+          "outflow",
+          [](const MorseSetView& s) {
+            return s.output->analysis.decomposition.graph.outflow[static_cast<std::size_t>(s.set)] != 0;
+          },
+          "Whether flow leads from the set over the boundary of the surface.")
+      .def_property_readonly("persistence", &persistenceOf,
+                             "Least eps at which the set merges with another, mesh units per second; None when it "
+                             "never does or the method is not geometry.")
+      .def("__repr__", [](const MorseSetView& s) {
+        const ConleyIndex& index = s.data().index;
+        return message("<MorseSet ", name(s.data().kind), " (", index.b0, ", ", index.b1, ", ", index.b2, ") of ",
+                       s.faces().size(), " faces>");
+      });
+}
+
+void bindDecomposition(py::module_& m) {
+  py::class_<MorseOutput, std::shared_ptr<MorseOutput>>(
+      m, "MorseDecomposition", py::module_local(),
+      "Morse sets, numbered by their first faces, and their order. Immutable.")
+      .def_property_readonly(
+          "sets", [](const std::shared_ptr<MorseOutput>& o) { return setsOf(o); }, "List of MorseSet.")
+      .def_property_readonly(
+          "face_sets", [](const MorseOutput& o) { return copied(o.analysis.decomposition.faces.setOf()); },
+          "(m,) int32: per face its set, -1 for none.")
+      .def_property_readonly("edges", &edgesOf,
+                             "(k, 2) int32: the least edges of the Morse connection graph; flow leads from the first "
+                             "set to the second.")
+      .def_property_readonly(
+          "map_edges", [](const MorseOutput& o) { return o.analysis.decomposition.mapEdges; },
+          "Edges of the combinatorial map.")
+      .def_property_readonly(
+          "method", [](const MorseOutput& o) { return name(o.analysis.method); }, "geometry, tau or spatial.")
+      .def_property_readonly(
+          "tau",
+          [](const MorseOutput& o) {
+            return o.analysis.tau > 0.0 ? std::optional<double>(o.analysis.tau) : std::nullopt;
+          },
+          "Seconds (tau) or mesh units (spatial); None for geometry.")
+      .def_property_readonly(
+          "eps", [](const MorseOutput& o) { return o.analysis.epsilon; },
+          "Bound on the error of the vectors, mesh units per second.")
+      .def_property_readonly(
+          "upper_bound", [](const MorseOutput& o) { return o.analysis.method != MorseMethod::Geometry; },
+          "Whether Conley indices are upper bounds.")
+      .def_property_readonly("seconds", &secondsOf, "Seconds by phase: map, sets, persistence.")
+      .def("simplify", &simplified, py::arg("eps"),
+           "The decomposition that holds for every field within eps >= 0 (mesh units per second, times the weights).\n"
+           "Raises InputError unless the method is geometry.")
+      .def("connection_faces", &connectionFaces, py::arg("source"), py::arg("target"),
+           "(k,) int32: faces on a way from one set to another, without theirs; empty when none leads there.")
+      .def("__repr__", [](const MorseOutput& o) {
+        return message("<MorseDecomposition by ", name(o.analysis.method), ": ", o.analysis.decomposition.faces.count(),
+                       " sets>");
+      });
+}
+
+}  // namespace
+
+void bind_morse(py::module_& m) {
+  bindSet(m);
+  bindDecomposition(m);
+  bindJob<Job<MorseOutput>>(m, "MorseJob", "A Morse decomposition under way.",
+                            [](const MorseOutput& output) { return std::make_shared<MorseOutput>(output); });
+  m.def(
+      "start_morse", &startMorse, py::arg("field"), py::arg("method") = "geometry", py::arg("tau") = py::none(),
+      py::arg("eps") = 0.0, py::arg("relative") = false, py::arg("weights") = py::none(), py::arg("persistence") = true,
+      py::arg("keep_empty") = false,
+      "Start the Morse decomposition of a VectorField -> MorseJob, whose result is a MorseDecomposition.\n"
+      "method: geometry, tau or spatial. tau: seconds, or mesh units for spatial (None: found from the field).\n"
+      "eps: bound on the error of the vectors, in mesh units per second, or mean speeds with relative; geometry only.\n"
+      "weights: (n,) float64 >= 0, factors of eps at the vertices. persistence: whether to find when sets merge.\n"
+      "keep_empty: keep sets that provably hold no recurrence. Raises InputError (at once, or from result()).");
+  m.def(
+      "mean_speed",
+      [](const FieldHandle& field) {
+        const py::gil_scoped_release release;
+        return meanSpeed(field.field);
+      },
+      py::arg("field"), "Mean speed over the area of the surface, mesh units per second: the unit of relative bounds.");
+}
+
+}  // namespace stormfield::bindings

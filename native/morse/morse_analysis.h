@@ -1,0 +1,67 @@
+// From a field to its Morse decomposition in one call: the map F of the chosen method, the Morse sets with their
+// indices and order, and for the geometry-based map what an error bound makes of them (thesis 6.2; Figure 6.3).
+//
+//   MorseAnalysis analysis = analyzeMorse(faces, field, {.method = MorseMethod::Tau, .tau = 0.3}, progress);
+//   analysis.decomposition.sets[0].kind;
+//   MorseAnalysis simpler = within(analysis, 0.05, progress);          // geometry: fields that differ by up to 0.05
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "morse/error_bound.h"
+#include "morse/morse_decomposition.h"
+#include "morse/persistence.h"
+#include "tracing/flat_faces.h"
+
+namespace stormfield {
+
+enum class MorseMethod {
+  Geometry,  ///< directions across the edges: fast, coarse, with exact indices and error bounds
+  Tau,       ///< the flow for a time tau
+  Spatial    ///< the flow for an arc length tau
+};
+
+/// Lower-case word used in files and messages; and back (throws InputError).
+const char* name(MorseMethod method);
+MorseMethod morseMethod(const std::string& name);
+
+struct MorseAnalysisOptions {
+  MorseMethod method = MorseMethod::Geometry;
+  /// Seconds, or mesh units for Spatial; none: startingTau. Geometry has none.
+  std::optional<double> tau{};
+  /// Bound on the error of the vectors, mesh units per second, or with relativeEpsilon in mean speeds of the field.
+  double epsilon = 0.0;
+  bool relativeEpsilon = false;
+  std::vector<double> weights{};  ///< factors of epsilon, one per vertex; empty: 1
+  bool persistence = true;        ///< Geometry: whether to find when sets merge
+  bool keepEmpty = false;         ///< recurrence.h
+};
+
+struct MorseAnalysis {
+  MorseMethod method = MorseMethod::Geometry;
+  double tau = 0.0;      ///< what was used; 0 for Geometry
+  double epsilon = 0.0;  ///< mesh units per second
+  bool keepEmpty = false;
+  std::shared_ptr<const VectorField> field;
+  std::shared_ptr<const CombinatorialMap> map;
+  std::shared_ptr<const ErrorBoundedMap> bounded;  ///< Geometry only
+  std::shared_ptr<const MergeLevels> levels;       ///< Geometry with persistence only
+  MorseDecomposition decomposition;
+  struct {
+    double map = 0.0, sets = 0.0, persistence = 0.0;
+  } seconds;
+};
+
+/// faces: of the field's mesh; only tau maps use them. Throws InputError for a tau or epsilon that cannot be used.
+MorseAnalysis analyzeMorse(const FlatFaces& faces, const VectorField& field, const MorseAnalysisOptions& options,
+                           Progress& progress);
+
+/// The decomposition that holds for every field within epsilon: that of the same analysis with this epsilon, in the
+/// time of a search for components. Throws InputError unless the method is Geometry and epsilon a number >= 0.
+MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, Progress& progress);
+
+}  // namespace stormfield
