@@ -27,6 +27,14 @@ TauUnit unitOf(MorseMethod method) {
   return method == MorseMethod::Spatial ? TauUnit::Length : TauUnit::Time;
 }
 
+/// The time, or the length, to cross four edges at the mean speed.
+double fewEdges(const VectorField& field, MorseMethod method) {
+  const double length = 4.0 * field.mesh().meanEdgeLength(), speed = meanSpeed(field);
+  if (method == MorseMethod::Spatial) return length;
+  if (!(speed > 0.0)) throw InputError("the field is zero everywhere; give tau, or choose the method 'geometry'");
+  return length / speed;
+}
+
 /// Everything after the map.
 void findSets(MorseAnalysis& analysis, Progress& progress) {
   MorseOptions options;
@@ -68,7 +76,7 @@ void analyzeFlow(MorseAnalysis& analysis, const FlatFaces& faces, const MorseAna
     throw InputError(message("an error bound needs the geometry-based map, not '", name(options.method),
                              "'; choose the method 'geometry' or set eps to 0"));
   }
-  analysis.tau = options.tau ? *options.tau : startingTau(*analysis.field, unitOf(options.method));
+  analysis.tau = options.tau ? *options.tau : fewEdges(*analysis.field, options.method);
   progress.range(0.0, 0.9);
   analysis.seconds.map = timed([&] {
     TauMapOptions tauOptions;
