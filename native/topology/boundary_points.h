@@ -10,8 +10,9 @@
 // becomes of them when the surface is glued to its mirror image), and
 //     sum of the indices inside + sum of the boundary's half-indices = chi
 // exactly, on every mesh, because the turns of a are counted by the same edges as the indices of the faces. At a vertex
-// of the boundary the walk itself turns, and what a passes in that turn is the vertex's share, of any size at a spike. Where the
-// surface's boundary is a polygon, a smooth tangency from inside can so become three points -1/2 +1/2 -1/2 in a row.
+// of the boundary the walk itself turns, and what a passes in that turn is the vertex's share, of any size at a spike.
+// Where the surface's boundary is a polygon, a smooth tangency from inside can so become three points -1/2 +1/2 -1/2 in
+// a row.
 #pragma once
 
 #include <vector>

@@ -1,0 +1,273 @@
+#include "topology/orbit_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "field/interpolation.h"
+
+namespace stormfield {
+namespace {
+
+// All in mean edge lengths.
+constexpr double kClosed = 1e-9;      ///< a streamline that comes back so near is the orbit
+constexpr double kConverged = 1e-11;  ///< width of the last bracket
+constexpr double kJump = 1e-5;        ///< a return map that jumps by more has no fixed point there
+constexpr double kNearest = 0.01;     ///< first distance at which an orbit's sides are looked at
+constexpr double kBand = 0.5;         ///< distance at which a band of closed streamlines shows
+/// Edges in a row with the candidate's own that are searched, and around an orbit's best section.
+constexpr int kBeyond = 2, kBeyondBest = 1;
+
+Index allowedCrossings(Index once) {
+  return 6 * once + 500;
+}
+
+}  // namespace
+
+OrbitSearch::OrbitSearch(const FlatFaces& faces, const VectorField& field, const std::vector<Index>& partOf,
+                         const OrbitSearchOptions& options)
+    : faces_(faces),
+      field_(field),
+      partOf_(partOf),
+      options_(options),
+      edge_(faces.mesh().meanEdgeLength()),
+      forward_(faces, field, Direction::Forward, options.tolerance),
+      backward_(faces, field, Direction::Backward, options.tolerance) {}
+
+ReturnMap OrbitSearch::map(Direction direction, const Section& section, int loops, Index part, Index crossings) const {
+  const FlowWalk& walk = direction == Direction::Forward ? forward_ : backward_;
+  return {walk, section, loops, partOf_, part, allowedCrossings(crossings)};
+}
+
+std::optional<FoundOrbit> OrbitSearch::follow(const Candidate& candidate) const {
+  const Section section(field_, candidate.halfedge, kBeyond);
+  const auto own = std::find(section.halfedges().begin(), section.halfedges().end(), candidate.halfedge);
+  const double start = section.at(static_cast<std::size_t>(own - section.halfedges().begin()), candidate.fraction);
+  ReturnMap returns = map(candidate.direction, section, candidate.loops, candidate.part, candidate.crossings);
+  const auto position = fixedPosition(returns, start);
+  if (!position) return std::nullopt;
+  auto found = describe(candidate, section, *position);
+  if (found) {
+    found->side = start < *position ? 0 : 1;
+    found->found = {section, *position, std::min(start, *position), std::max(start, *position)};
+  }
+  return found;
+}
+
+/// Marches from the start the way the streamline moves, with secant steps that mean to overshoot a little, until the
+/// displacement changes its sign.
+std::optional<double> OrbitSearch::fixedPosition(ReturnMap& returns, double start) const {
+  const double low = returns.section().low() + 1e-9 * edge_, high = returns.section().high() - 1e-9 * edge_;
+  const auto displacement = [&](double s) -> std::optional<double> {
+    const auto back = returns(s);
+    return back ? std::optional(back->position - s) : std::nullopt;
+  };
+  const auto first = displacement(start);
+  if (!first) return std::nullopt;
+  if (std::abs(*first) <= kClosed * edge_) return start;
+  const double sign = *first > 0.0 ? 1.0 : -1.0;
+
+  // Closed but for a drift that is as small half an edge away: inside a band.
+  const double drift = options_.bandTolerance * kBand * edge_;
+  if (std::abs(*first) <= drift) {
+    const auto isClosed = [&](double s) {
+      const auto d = s > low && s < high ? displacement(s) : std::nullopt;
+      return d && std::abs(*d) <= drift;
+    };
+    if (isClosed(start + kBand * edge_) && isClosed(start - kBand * edge_)) return start;
+  }
+
+  double a = start, atA = *first, b = std::clamp(a + atA, low, high);
+  for (int step = 0; step < 40; ++step) {
+    if (sign * (b - a) < kConverged * edge_) return std::nullopt;  // at the end of the section
+    auto atB = displacement(b);
+    for (int cut = 0; !atB && cut < 8; ++cut) {
+      b = 0.5 * (a + b);
+      atB = displacement(b);
+    }
+    if (!atB) return std::nullopt;
+    if (sign * *atB <= 0.0) return solve(returns, a, atA, b, *atB);
+    const double slope = (*atB - atA) / (b - a);
+    double reach = 3.0 * std::abs(b - a);
+    if (slope < 0.0) reach = std::min(1.25 * std::abs(*atB / slope) + 10.0 * kConverged * edge_, 20.0 * reach);
+    a = b;
+    atA = *atB;
+    b = std::clamp(a + sign * reach, low, high);
+  }
+  return std::nullopt;
+}
+
+/// The zero of the displacement between a and b by the rule of false position (Illinois), with bisection now and then.
+std::optional<double> OrbitSearch::solve(ReturnMap& returns, double a, double atA, double b, double atB) const {
+  double best = std::abs(atA) < std::abs(atB) ? a : b, atBest = std::min(std::abs(atA), std::abs(atB));
+  double weightA = atA, weightB = atB;
+  for (int step = 0; step < 80 && std::abs(b - a) > kConverged * edge_ && atBest > 0.1 * kClosed * edge_; ++step) {
+    double s = step % 4 == 3 ? 0.5 * (a + b) : (a * weightB - b * weightA) / (weightB - weightA);
+    if (!(std::min(a, b) < s && s < std::max(a, b))) s = 0.5 * (a + b);
+    const auto back = returns(s);
+    if (!back) return std::nullopt;
+    const double d = back->position - s;
+    if (std::abs(d) < atBest) {
+      best = s;
+      atBest = std::abs(d);
+    }
+    if ((d > 0.0) == (atA > 0.0)) {
+      a = s;
+      atA = weightA = d;
+      weightB *= 0.5;
+    } else {
+      b = s;
+      atB = weightB = d;
+      weightA *= 0.5;
+    }
+  }
+  return atBest <= kJump * edge_ ? std::optional(best) : std::nullopt;
+}
+
+/// Goes away from the orbit in growing steps for as long as the flow keeps doing the same.
+OrbitSearch::Side OrbitSearch::look(ReturnMap& forward, ReturnMap& backward, double position, double sign) const {
+  // How many times farther from the orbit a streamline comes back.
+  const auto growth = [&](double distance) -> std::optional<double> {
+    const double s = position + sign * distance;
+    if (const auto back = forward(s)) return sign * (back->position - position) / distance;
+    if (const auto back = backward(s)) return distance / std::max(sign * (back->position - position), 1e-300);
+    return std::nullopt;
+  };
+  const Section& section = forward.section();
+  const double room = 0.999 * (sign > 0.0 ? section.high() - position : position - section.low());
+  Side side;
+  for (double distance = std::min(kNearest * edge_, 0.5 * room); distance > 0.0; distance *= 3.0) {
+    const bool last = distance >= room;
+    distance = std::min(distance, room);
+    const auto grown = growth(distance);
+    if (!grown) break;
+    const SideFlow flow = *grown < 1.0 ? SideFlow::Attracted : SideFlow::Repelled;
+    side.closed = std::abs(*grown - 1.0) <= options_.bandTolerance;
+    if (side.flow != SideFlow::Unknown && flow != side.flow && !side.closed) break;
+    if (side.flow == SideFlow::Unknown || !side.closed) side.flow = flow;
+    side.reach = distance;
+    if (last || (side.closed && distance >= kBand * edge_)) break;
+  }
+  return side;
+}
+
+std::optional<FoundOrbit> OrbitSearch::describe(const Candidate& candidate, const Section& section,
+                                                double position) const {
+  FoundOrbit found;
+  found.loops = candidate.loops;
+  ReturnMap here = map(candidate.direction, section, candidate.loops, candidate.part, candidate.crossings);
+  if (!record(here, position, found)) return std::nullopt;
+  found.best = bestSection(found.passages);
+  // On that section the number of loops can be another.
+  int loops = 0;
+  for (const Passage& passage : found.passages) loops += found.best.section.at(field_.mesh(), passage) ? 1 : 0;
+  loops = std::max(loops, 1);
+  ReturnMap forward = map(Direction::Forward, found.best.section, loops, candidate.part, found.crossings);
+  ReturnMap backward = map(Direction::Backward, found.best.section, loops, candidate.part, found.crossings);
+  const Side left = look(forward, backward, found.best.position, -1.0);
+  const Side right = look(forward, backward, found.best.position, 1.0);
+  found.best.low = found.best.position - left.reach;
+  found.best.high = found.best.position + right.reach;
+  found.sides = {left.flow, right.flow};
+
+  PeriodicOrbit& orbit = found.orbit;
+  if (left.closed && right.closed) {
+    orbit.kind = OrbitKind::Center;
+    found.sides = {SideFlow::Closed, SideFlow::Closed};
+  } else if (left.flow == right.flow || right.flow == SideFlow::Unknown) {
+    orbit.kind = left.flow == SideFlow::Attracted ? OrbitKind::Attracting : OrbitKind::Repelling;
+  } else if (left.flow == SideFlow::Unknown) {
+    orbit.kind = right.flow == SideFlow::Attracted ? OrbitKind::Attracting : OrbitKind::Repelling;
+  }
+  if (left.flow == SideFlow::Unknown && right.flow == SideFlow::Unknown) {
+    orbit.kind = candidate.direction == Direction::Forward ? OrbitKind::Attracting : OrbitKind::Repelling;
+  }
+  orbit.multiplier = multiplier(orbit);
+  return found;
+}
+
+bool OrbitSearch::record(ReturnMap& returns, double position, FoundOrbit& found) const {
+  PeriodicOrbit& orbit = found.orbit;
+  const auto back = returns.run(position, [&](const SurfacePoint& p, double time, const Passage& passage) {
+    orbit.points.push_back(p);
+    orbit.times.push_back(time);
+    if (passage) found.passages.push_back(passage);
+  });
+  if (!back || std::abs(back->position - position) > options_.bandTolerance * edge_) return false;
+  orbit.length = back->length;
+  orbit.period = back->time;
+  found.crossings = back->crossings;
+  orbit.points.back() = orbit.points.front();
+  if (returns.direction() == Direction::Backward) {
+    std::reverse(orbit.points.begin(), orbit.points.end());
+    std::reverse(orbit.times.begin(), orbit.times.end());
+    for (double& time : orbit.times) time = orbit.period - time;
+  }
+  return true;
+}
+
+OrbitSection OrbitSearch::bestSection(const std::vector<Passage>& passages) const {
+  const Passage* best = nullptr;
+  double most = -1.0;
+  for (const Passage& passage : passages) {
+    if (passage.halfedge == kNone) continue;
+    const auto across = acrossEnds(field_, passage.halfedge);
+    double low = 0.0, high = 1.0;
+    if (across[0] < 0.0) low = across[0] / (across[0] - across[1]);
+    if (across[1] < 0.0) high = across[0] / (across[0] - across[1]);
+    const double margin = field_.mesh().edgeLength(field_.mesh().edge(passage.halfedge)) *
+                          std::min(passage.fraction - low, high - passage.fraction);
+    if (margin > most) {
+      most = margin;
+      best = &passage;
+    }
+  }
+  OrbitSection result;
+  result.section = Section(field_, best->halfedge, kBeyondBest);
+  result.position = *result.section.at(field_.mesh(), *best);
+  return result;
+}
+
+/// Areas beside a streamline grow with the divergence of the field (Liouville), and so do distances from a closed one:
+/// log m = integral of div V dt. The divergence of a linear field is constant within a face.
+double OrbitSearch::multiplier(const PeriodicOrbit& orbit) const {
+  const TriangleMesh& mesh = field_.mesh();
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 1 < orbit.points.size(); ++i) {
+    const double duration = orbit.times[i + 1] - orbit.times[i];
+    if (duration <= 0.0) continue;
+    const Index f = orbit.points[i].face;
+    const FaceInterpolant local = faceInterpolant(field_, f);
+    const Vec3 middle = 0.5 * (position(mesh, orbit.points[i]) + position(mesh, orbit.points[i + 1]));
+    const Complex at = field_.charts->spaceToFace(f, middle - mesh.point(mesh.vertex(f, 0)));
+    sum += duration * local.jacobian(at).trace();
+  }
+  return std::exp(sum);
+}
+
+bool OrbitSearch::closes(Index halfedge, double fraction, Index part, Index crossings, double tolerance,
+                         std::vector<Index>* crossedFaces) const {
+  const Section section(field_, halfedge, 1);
+  const auto own = std::find(section.halfedges().begin(), section.halfedges().end(), halfedge);
+  const double start = section.at(static_cast<std::size_t>(own - section.halfedges().begin()), fraction);
+  ReturnMap returns = map(Direction::Forward, section, 1, part, crossings);
+  const auto back = returns.run(start, [&](const SurfacePoint& p, double, const Passage&) {
+    if (crossedFaces != nullptr) crossedFaces->push_back(p.face);
+  });
+  return back && std::abs(back->position - start) <= tolerance * edge_;
+}
+
+const char* name(OrbitKind kind) {
+  switch (kind) {
+    case OrbitKind::Attracting:
+      return "attracting";
+    case OrbitKind::Repelling:
+      return "repelling";
+    case OrbitKind::Center:
+      return "center";
+    case OrbitKind::Degenerate:
+      break;
+  }
+  return "degenerate";
+}
+
+}  // namespace stormfield
