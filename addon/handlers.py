@@ -4,7 +4,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .convert import mirror, relocate
-from .operators import running
+from .operators import morse_preview, morse_state, running
 from .ui import overlay
 
 
@@ -29,8 +29,24 @@ def forget_drawings(*_):
 
 
 @persistent
+def forget_morse(*_):
+    morse_preview.forget()
+    morse_state.forget()
+
+
+@persistent
 def mark_changed(_scene, depsgraph):
     overlay.mark_changed(depsgraph)
+
+
+@persistent
+def preview_morse_sets(scene, *_):
+    """Live previews follow λ; without a window there is nobody to look at them."""
+    if bpy.app.background:
+        return
+    for obj in scene.objects:
+        if obj.type == "MESH" and obj.stormfield.enabled and obj.stormfield.morse.live:
+            morse_preview.follow(obj)
 
 
 HANDLERS = (
@@ -38,9 +54,12 @@ HANDLERS = (
     ("save_pre", keep_lambda_without_addon),
     ("load_pre", stop_job),
     ("load_post", forget_drawings),
+    ("load_post", forget_morse),
     ("undo_post", forget_drawings),
     ("redo_post", forget_drawings),
     ("depsgraph_update_post", mark_changed),
+    ("depsgraph_update_post", preview_morse_sets),
+    ("frame_change_post", preview_morse_sets),
 )
 
 

@@ -32,11 +32,11 @@ class GraphLayout:
 
 
 def layout(graph: EntityGraph) -> GraphLayout:
-    """Positions and routes. Raises ImportError with the cure where igraph is missing."""
+    """Positions and routes. Raises RuntimeError with the cure where igraph is missing."""
     try:
         import igraph
     except ImportError:
-        raise ImportError("Graphs are laid out by igraph, which is missing: install it (pip install igraph)") from None
+        raise RuntimeError("Graphs are laid out by igraph, which is missing: install it (pip install igraph)") from None
     count = len(graph.entities)
     if count == 0:
         return GraphLayout(np.zeros((0, 2)), ())
@@ -56,7 +56,9 @@ def layout(graph: EntityGraph) -> GraphLayout:
     places -= 0.5 * (places[:count].min() + places[:count].max())
     positions = np.column_stack([places[:count], height]).astype(np.float64)
     at = {pair: np.array([places[node], 1.0]) for pair, node in bend.items()}
-    routes = tuple(_route(link, positions, at.get(pair)) for link, pair in zip(graph.links, down, strict=True))
+    routes = tuple(
+        _route(link, positions, at.get(pair) if pair else None) for link, pair in zip(graph.links, down, strict=True)
+    )
     return GraphLayout(positions, routes)
 
 

@@ -2,7 +2,22 @@
 
 import bpy
 
-from . import bake, draw, elements, field, job_operator, presets, running, shading, solve, storm_merge
+from . import (
+    analyze,
+    analyze_lambda,
+    bake,
+    draw,
+    elements,
+    field,
+    job_operator,
+    morse,
+    presets,
+    running,
+    select_entity,
+    shading,
+    solve,
+    storm_merge,
+)
 
 CLASSES = (
     *field.CLASSES,
@@ -11,6 +26,10 @@ CLASSES = (
     *job_operator.CLASSES,
     *solve.CLASSES,
     *bake.CLASSES,
+    *analyze.CLASSES,
+    *analyze_lambda.CLASSES,
+    *morse.CLASSES,
+    *select_entity.CLASSES,
     *presets.CLASSES,
     *shading.CLASSES,
     *storm_merge.CLASSES,

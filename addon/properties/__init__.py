@@ -2,13 +2,22 @@
 
 import bpy
 
+from . import analysis, morse
 from .bake import BakeProperties
 from .element import ElementProperties
 from .field import FieldProperties
 from .look import LookProperties
 from .solve import SolveProperties
 
-CLASSES = (ElementProperties, SolveProperties, BakeProperties, LookProperties, FieldProperties)
+CLASSES = (
+    ElementProperties,
+    SolveProperties,
+    BakeProperties,
+    LookProperties,
+    *analysis.CLASSES,
+    *morse.CLASSES,
+    FieldProperties,
+)
 
 
 def register() -> None:

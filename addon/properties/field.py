@@ -3,9 +3,11 @@
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty
 
+from .analysis import AnalysisProperties
 from .bake import BakeProperties
 from .element import ElementProperties
 from .look import LookProperties
+from .morse import MorseProperties
 from .solve import SolveProperties
 
 
@@ -28,6 +30,8 @@ class FieldProperties(bpy.types.PropertyGroup):
     solve: PointerProperty(type=SolveProperties)
     bake: PointerProperty(type=BakeProperties)
     look: PointerProperty(type=LookProperties)
+    analysis: PointerProperty(type=AnalysisProperties)
+    morse: PointerProperty(type=MorseProperties)
 
     def active(self) -> ElementProperties | None:
         return self.elements[self.active_element] if 0 <= self.active_element < len(self.elements) else None

@@ -1,21 +1,33 @@
-"""Panels, the Add menu entry and the viewport overlay."""
+"""Panels, the graph editor, the Add menu entry and the viewport overlay."""
 
 import bpy
 
-from . import lists, menus, overlay, panels
+from . import analysis_panels, graph_editor, icons, lists, menus, morse_panels, overlay, panels, pick
 
-CLASSES = (*lists.CLASSES, *menus.CLASSES, *panels.CLASSES)
+CLASSES = (
+    *lists.CLASSES,
+    *menus.CLASSES,
+    *graph_editor.CLASSES,
+    *panels.CLASSES[:4],
+    *analysis_panels.CLASSES,
+    *morse_panels.CLASSES,
+    *panels.CLASSES[4:],
+    *pick.CLASSES,
+)
 
 
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_add.append(menus.draw_add_menu)
+    graph_editor.register()
     overlay.register()
 
 
 def unregister() -> None:
     overlay.unregister()
+    graph_editor.unregister()
+    icons.unregister()
     bpy.types.VIEW3D_MT_add.remove(menus.draw_add_menu)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -37,6 +37,8 @@ class _Entry:
     mesh: object = None  #: native TriangleMesh, or None where the evaluated mesh is no surface
     note: str = ""
     seeds: dict = field(default_factory=dict)
+    mean_speed: float = 0.0  #: of the field that is drawn, mesh units per second
+    looked: tuple = ()  #: generation of the object at the last look at its shape
     key: tuple = ()
     drawing: Drawing | None = None
 
@@ -76,12 +78,33 @@ def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
         settings.show_fixed_points,
     )
     if entry.drawing is None or entry.key != key:
-        _update_surface(entry, mesh)
+        surface_of(evaluated)
         values = np.empty(len(mesh.vertices) * 3, np.float32)
         attribute.data.foreach_get("vector", values)
-        entry.drawing = _draw(entry, values.reshape(-1, 3).astype(np.float64), settings)
+        values = values.reshape(-1, 3).astype(np.float64)
+        entry.mean_speed = float(np.linalg.norm(values, axis=1).mean()) if len(values) else 0.0
+        entry.drawing = _draw(entry, values, settings)
         entry.key = key
     return entry.drawing
+
+
+def surface_of(evaluated: bpy.types.Object):
+    """Surface and native TriangleMesh (None where the mesh is no surface) of an evaluated object, as it is drawn."""
+    entry = _entries.setdefault(evaluated.name, _Entry())
+    generation = (_generations.get(evaluated.name, 0), len(evaluated.data.vertices))
+    if entry.looked != generation:
+        _update_surface(entry, evaluated.data)
+        entry.looked = generation
+    return entry.surface, entry.mesh
+
+
+def starting_tau(obj: bpy.types.Object, method: str) -> float | None:
+    """The τ that mesh and field suggest: seconds, or mesh units for the method "spatial"; None before it was drawn."""
+    entry = _entries.get(obj.name)
+    if entry is None or entry.mesh is None or not entry.mean_speed:
+        return None
+    length = 4.0 * entry.mesh.mean_edge_length
+    return length if method == "spatial" else length / entry.mean_speed
 
 
 def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:

@@ -1,8 +1,9 @@
-"""The list of design elements."""
+"""The lists of design elements and of what an analysis found."""
 
 import bpy
 
 from ..properties.element import TYPES
+from . import icons
 
 TYPE_ICONS = {key: icon for key, _label, _text, icon, _number in TYPES}
 
@@ -27,4 +28,41 @@ class STORMFIELD_UL_elements(bpy.types.UIList):
         row.prop(item, "enabled", text="", emboss=False, icon="HIDE_OFF" if item.enabled else "HIDE_ON")
 
 
-CLASSES = (STORMFIELD_UL_elements,)
+class STORMFIELD_UL_entities(bpy.types.UIList):
+    bl_idname = "STORMFIELD_UL_entities"
+
+    def draw_item(self, _context, layout, data, item, _icon, _active, _property, _index=0, _flag=0):
+        split = layout.split(factor=0.62)
+        split.label(text=item.name, icon_value=icons.of(item.kind))
+        number = split.row()
+        number.alignment = "RIGHT"
+        if self.list_id != "history":
+            number.label(text=f"{item.strength:.2g}" if item.strength else "")
+        elif item.lam_end > item.lam_start:
+            number.label(text=f"{item.lam_start:.2f}–{item.lam_end:.2f}")
+        else:
+            number.label(text=f"λ {item.lam:.2f}")
+
+    def draw_filter(self, _context, layout):
+        row = layout.row(align=True)
+        row.prop(self, "filter_name", text="", icon="VIEWZOOM")
+        row.prop(self, "use_filter_invert", text="", icon="ARROW_LEFTRIGHT")
+        row.prop(self, "use_filter_sort_reverse", text="Weakest First", toggle=True)
+
+    def filter_items(self, _context, data, _property):
+        """By the filters of the list, then by name as in every list of Blender; the strongest first on request."""
+        items = data.items
+        name = self.filter_name.lower()
+        shown = [data.passes(item) and (name in item.name.lower()) != self.use_filter_invert for item in items]
+        if not name:
+            shown = [data.passes(item) for item in items]
+        order = []
+        if self.use_filter_sort_reverse:
+            ranked = sorted(range(len(items)), key=lambda i: items[i].strength)
+            order = [0] * len(items)
+            for place, index in enumerate(ranked):
+                order[index] = place
+        return [self.bitflag_filter_item if keep else 0 for keep in shown], order
+
+
+CLASSES = (STORMFIELD_UL_elements, STORMFIELD_UL_entities)

@@ -4,39 +4,69 @@ import math
 
 import numpy as np
 
-#: kind -> (name in the legend, colour); the thesis's source green, sink red and saddle blue.
-KINDS = {
-    "source": ("Source", (0.10, 0.78, 0.24)),
-    "sink": ("Sink", (0.93, 0.16, 0.14)),
-    "saddle": ("Saddle", (0.16, 0.42, 1.00)),
-    "center": ("Center", (1.00, 0.78, 0.10)),
-    "degenerate": ("Degenerate", (0.75, 0.35, 0.95)),
+from ..analysis.entities import KIND_COLOURS
+
+#: kind -> its name in legends.
+NAMES = {
+    "source": "Source",
+    "sink": "Sink",
+    "saddle": "Saddle",
+    "center": "Center",
+    "degenerate": "Degenerate",
+    "repelling": "Repelling orbit",
+    "attracting": "Attracting orbit",
+    "trivial": "Trivial",
+    "other": "Other",
+    "creation": "Appear",
+    "annihilation": "Vanish",
+    "hopf": "Change",
 }
+#: Colours of events over λ, which no entity has.
+EVENTS = {"creation": (1.00, 0.86, 0.35), "annihilation": (0.95, 0.45, 0.80), "hopf": (0.35, 0.85, 0.90)}
 Colour = tuple[float, float, float, float]
 RIM: Colour = (0.02, 0.02, 0.03, 1.0)
 LIGHT: Colour = (1.0, 1.0, 1.0, 1.0)
 
 
-def _circle(radius: float, corners: int = 24) -> np.ndarray:
-    angles = np.arange(corners) * (2 * math.pi / corners)
+def colour_of(kind: str) -> tuple[float, float, float]:
+    return EVENTS.get(kind) or KIND_COLOURS.get(kind, KIND_COLOURS["other"])
+
+
+def _circle(radius: float, corners: int = 24, turned: float = 0.0) -> np.ndarray:
+    angles = turned + np.arange(corners) * (2 * math.pi / corners)
     return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+#: Corners and turn of the outlines that are no discs.
+OUTLINES = {
+    "saddle": (4, 0.0),
+    "trivial": (4, 0.25 * math.pi),
+    "degenerate": (6, 0.0),
+    "other": (5, 0.5 * math.pi),
+    "creation": (3, 0.5 * math.pi),
+    "annihilation": (3, -0.5 * math.pi),
+    "hopf": (8, math.pi / 8),
+}
 
 
 def shape(kind: str) -> list[tuple[np.ndarray, Colour]]:
     """Convex polygons (k, 2) with colours, painted in this order; a radius of 1 is the marker's own.
 
     Shapes differ too, for eyes that do not tell red from green: a source has a bright core, a sink is full, a saddle is
-    a diamond, a center is a ring.
+    a diamond, a center is a ring; orbits are wide rings, with a bright core where they repel.
     """
-    red, green, blue = KINDS.get(kind, KINDS["degenerate"])[1]
-    colour = (red, green, blue, 1.0)
-    if kind == "saddle":
-        return [(_circle(1.30, 4), RIM), (_circle(1.10, 4), colour)]
+    colour = (*colour_of(kind), 1.0)
+    if kind in OUTLINES:
+        corners, turned = OUTLINES[kind]
+        size = 1.30 if corners < 5 else 1.05
+        return [(_circle(size, corners, turned), RIM), (_circle(size - 0.20, corners, turned), colour)]
     layers = [(_circle(1.0), RIM), (_circle(0.82), colour)]
     if kind == "source":
         layers.append((_circle(0.34), LIGHT))
     elif kind == "center":
         layers.append((_circle(0.46), RIM))
+    elif kind in {"repelling", "attracting"}:
+        layers += [(_circle(0.58), RIM), (_circle(0.40), LIGHT if kind == "repelling" else colour)]
     return layers
 
 

@@ -14,7 +14,7 @@ class _Panel:
     bl_category = "Stormfield"
 
 
-class _FieldPanel(_Panel):
+class FieldPanel(_Panel):
     """A panel that shows only where there is a field."""
 
     @classmethod
@@ -44,7 +44,7 @@ class STORMFIELD_PT_field(_Panel, bpy.types.Panel):
         if problem:
             box = layout.box()
             box.alert = True
-            _text(context, box, problem, icon="ERROR")
+            text_lines(context, box, problem, icon="ERROR")
         obj = active_field(context)
         if context.object is not None and context.object.type == "MESH" and not context.object.stormfield.enabled:
             layout.operator("stormfield.add_field", icon="ADD", text=f"Add Field to {context.object.name}")
@@ -62,7 +62,7 @@ class STORMFIELD_PT_field(_Panel, bpy.types.Panel):
         layout.operator("stormfield.key_lambda", icon="KEY_HLT")
 
 
-class STORMFIELD_PT_elements(_FieldPanel, bpy.types.Panel):
+class STORMFIELD_PT_elements(FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_elements"
     bl_label = "Elements"
 
@@ -112,7 +112,7 @@ def _draw_element(layout, element):
     column.prop(element, "hard")
 
 
-class STORMFIELD_PT_solve(_FieldPanel, bpy.types.Panel):
+class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_solve"
     bl_label = "Solve"
 
@@ -126,11 +126,11 @@ class STORMFIELD_PT_solve(_FieldPanel, bpy.types.Panel):
         layout.use_property_decorate = False
         obj = active_field(context)
         settings = obj.stormfield.solve
-        if not _draw_progress(layout, "Solving"):
+        if not draw_progress(layout, "Solving"):
             row = layout.row()
             row.scale_y = 1.4
             row.operator("stormfield.solve", icon="PLAY")
-            _hint(context, layout, solve.why_not(obj))
+            hint(context, layout, solve.why_not(obj))
         column = layout.column()
         column.prop(settings, "even_speed", slider=True)
         column.prop(settings, "lambda_weight")
@@ -138,10 +138,10 @@ class STORMFIELD_PT_solve(_FieldPanel, bpy.types.Panel):
         column.prop(settings, "tolerance")
         folder = attach.attached_folder(obj, attach.LAMBDA)
         if folder is not None and not (folder / attach.STAGE).exists():
-            _text(context, layout, f"The λ cache is missing: {folder}. Solve again", icon="ERROR")
+            text_lines(context, layout, f"The λ cache is missing: {folder}. Solve again", icon="ERROR")
 
 
-class STORMFIELD_PT_bake(_FieldPanel, bpy.types.Panel):
+class STORMFIELD_PT_bake(FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_bake"
     bl_label = "Bake"
     bl_options = {"DEFAULT_CLOSED"}
@@ -152,11 +152,11 @@ class STORMFIELD_PT_bake(_FieldPanel, bpy.types.Panel):
         layout.use_property_decorate = False
         obj = active_field(context)
         settings = obj.stormfield.bake
-        if not _draw_progress(layout, "Baking"):
+        if not draw_progress(layout, "Baking"):
             row = layout.row()
             row.scale_y = 1.4
             row.operator("stormfield.bake", icon="RENDER_ANIMATION")
-            _hint(context, layout, bake.why_not(obj))
+            hint(context, layout, bake.why_not(obj))
         column = layout.column(heading="Write")
         column.prop(settings, "use_frames")
         if settings.use_frames:
@@ -177,7 +177,7 @@ class STORMFIELD_PT_bake(_FieldPanel, bpy.types.Panel):
         layout.prop(settings, "folder")
 
 
-class STORMFIELD_PT_shading(_FieldPanel, bpy.types.Panel):
+class STORMFIELD_PT_shading(FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_shading"
     bl_label = "Shading"
     bl_options = {"DEFAULT_CLOSED"}
@@ -190,10 +190,10 @@ class STORMFIELD_PT_shading(_FieldPanel, bpy.types.Panel):
         if material is not None:
             layout.label(text=material.name, icon="MATERIAL_DATA")
         if attach.FRAMES not in obj.modifiers:
-            _text(context, layout, "Bake the flowing texture to see these materials move", icon="INFO")
+            text_lines(context, layout, "Bake the flowing texture to see these materials move", icon="INFO")
 
 
-class STORMFIELD_PT_look(_FieldPanel, bpy.types.Panel):
+class STORMFIELD_PT_look(FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_look"
     bl_label = "Look"
     bl_options = {"DEFAULT_CLOSED"}
@@ -220,7 +220,7 @@ class STORMFIELD_PT_look(_FieldPanel, bpy.types.Panel):
         column.prop(look, "show_legend")
 
 
-def _draw_progress(layout, title: str) -> bool:
+def draw_progress(layout, title: str) -> bool:
     """The running job instead of its button."""
     job = running.current()
     if job is None or job.title != title:
@@ -233,13 +233,13 @@ def _draw_progress(layout, title: str) -> bool:
     return True
 
 
-def _hint(context, layout, reason: str) -> None:
+def hint(context, layout, reason: str) -> None:
     """Why the button above is grey. What this Blender lacks is said once, in the Field panel."""
     if reason and reason != requirements.problem():
-        _text(context, layout, reason, icon="INFO")
+        text_lines(context, layout, reason, icon="INFO")
 
 
-def _text(context, layout, text: str, icon: str) -> None:
+def text_lines(context, layout, text: str, icon: str) -> None:
     """A sentence in as many lines as the sidebar's width asks for."""
     width = max(18, int(context.region.width / (7.5 * context.preferences.system.ui_scale)) - 5)
     column = layout.column(align=True)

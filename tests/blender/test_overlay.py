@@ -157,5 +157,5 @@ def test_markers_are_triangles_with_colours(kind):
 def test_kinds_differ_in_shape_and_colour():
     from stormfield.ui import markers
 
-    looks = {markers.triangles(kind)[1].tobytes() + markers.triangles(kind)[0].tobytes() for kind in markers.KINDS}
-    assert len(looks) == len(markers.KINDS)
+    looks = {markers.triangles(kind)[1].tobytes() + markers.triangles(kind)[0].tobytes() for kind in markers.NAMES}
+    assert len(looks) == len(markers.NAMES)

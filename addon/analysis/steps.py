@@ -1,0 +1,112 @@
+"""Analyses as generators of steps, for the modal operators and for whoever else must not block (see bake/job.py).
+
+    graph = run(ecg_steps(mesh, values, lam=0.3))
+    tracking = run(tracking_steps(open_cache(folder), mesh, "sf_advection"))
+    morse = run(morse_steps(mesh, values, lam=0.3, method="tau", tau=0.1))
+
+Closing a generator stops the work within 0.1 s.
+"""
+
+from collections.abc import Generator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from .. import native
+from ..bake.cache import FieldCache
+from ..bake.fields import native_mesh
+from ..bake.job import Step, Steps
+from ..model.errors import InputError
+from ..model.mesh_data import MeshData
+from . import mcg, tracking
+from .entities import EntityGraph
+from .tracking import Tracking
+
+#: Where tracking begins, in parts of the whole: samples are read before.
+READ = 0.4
+
+
+def ecg_steps(mesh: MeshData, values: np.ndarray, lam: float) -> Steps[EntityGraph]:
+    """The entity connection graph of one instantaneous field. values: (n, 3) at the vertices."""
+    from . import ecg
+
+    yield Step(0.0, "Reading the field")
+    surface, field = native_field(mesh, values)
+    topology = yield from result_of(native.start_topology(field), 0.0, "Following separatrices and orbits")
+    return ecg.entity_graph(topology, surface, lam)
+
+
+def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str) -> Steps[Tracking]:
+    """Paths and bifurcations over all samples of a λ cache, which must be of this mesh."""
+    cache.check_mesh(mesh)
+    lambdas = cache.lambdas
+    if len(lambdas) < 2:
+        raise InputError("the cache has one sample of λ; solve with at least two to see what changes between them")
+    surface = native_mesh(mesh)
+    tangents = []
+    for index in range(len(lambdas)):
+        yield Step(READ * index / len(lambdas), f"Reading sample {index + 1} of {len(lambdas)}")
+        sample = cache.sample(index)
+        if attribute not in sample:
+            raise InputError(f"{cache.folder}: has no {attribute}; solve again")
+        tangents.append(surface.to_tangent(sample[attribute].astype(np.float64)))
+    field = native.ParameterizedField(surface, lambdas, np.stack(tangents))
+    found = yield from result_of(tracking.start(field), READ, "Following fixed points over λ")
+    return tracking.from_native(found)
+
+
+@dataclass(frozen=True, eq=False)
+class MorseSets:
+    """A Morse decomposition with what further steps need. Never saved: the core's own objects."""
+
+    decomposition: Any
+    surface: Any  #: native TriangleMesh
+    field: Any  #: native VectorField
+    mean_speed: float  #: mesh units per second, the unit of relative errors
+    graph: EntityGraph
+
+    def simplified(self, error: float) -> "MorseSets":
+        """What holds for every field that differs by up to `error` mean speeds (method geometry only)."""
+        simpler = self.decomposition.simplify(error * self.mean_speed)
+        return replace(self, decomposition=simpler, graph=mcg.morse_graph(simpler, self.surface, self.graph.lam))
+
+
+def morse_steps(mesh: MeshData, values: np.ndarray, lam: float, **options: Any) -> Steps[MorseSets]:
+    """Morse sets of one instantaneous field; options as of native.start_morse."""
+    yield Step(0.0, "Reading the field")
+    surface, field = native_field(mesh, values)
+    if not values.any():
+        raise InputError("the field is zero everywhere; there is nothing to divide")
+    found = yield from result_of(native.start_morse(field, **options), 0.0, "Dividing the surface")
+    yield Step(1.0, "Ordering the sets", waiting=True)
+    return MorseSets(found, surface, field, native.mean_speed(field), mcg.morse_graph(found, surface, lam))
+
+
+def starting_tau(surface: Any, field: Any, method: str) -> float:
+    """A τ to begin with: the seconds ("tau") or mesh units ("spatial") to cross four edges at the mean speed."""
+    length = 4.0 * surface.mean_edge_length
+    if method == "spatial":
+        return length
+    speed = native.mean_speed(field)
+    return length / speed if speed > 0 else 0.0
+
+
+def native_field(mesh: MeshData, values: np.ndarray) -> tuple[Any, Any]:
+    """The core's mesh and field. Raises InputError for a mesh that is no surface, and values that are not finite."""
+    if not np.isfinite(values).all():
+        vertex = int(np.flatnonzero(~np.isfinite(values).all(axis=1))[0])
+        raise InputError(f"the field is not finite at vertex {vertex}; solve again")
+    surface = native_mesh(mesh)
+    return surface, native.VectorField.from_space(surface, values)
+
+
+def result_of(job: Any, start: float, message: str) -> Generator[Step, None, Any]:
+    """Waits for work on the core's threads and returns its result; closing the generator stops the work."""
+    try:
+        while not job.done:
+            yield Step(start + (1.0 - start) * job.fraction, message, waiting=True)
+        return job.result()
+    finally:
+        if not job.done:
+            job.cancel()

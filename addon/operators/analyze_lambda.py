@@ -1,0 +1,44 @@
+"""Analyze over λ: every fixed point followed through all samples of the cache, and the bifurcations between them."""
+
+import bpy
+
+from ..analysis.steps import tracking_steps
+from ..convert import analysis_objects, attach, timeline
+from ..convert.current_field import cache_of
+from ..convert.mesh_arrays import read_mesh
+from .analyze import AnalysisOperator
+
+
+class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
+    """Follow every fixed point of the shown field over λ; bifurcations become timeline markers. Esc stops"""
+
+    bl_idname = "stormfield.analyze_lambda"
+    bl_label = "Analyze over λ"
+    bl_options = {"REGISTER", "UNDO"}
+    job_title = "Following"
+
+    @classmethod
+    def why_not(cls, obj):
+        if obj.mode == "EDIT":
+            return "Leave Edit Mode first"
+        if attach.attached_folder(obj, attach.LAMBDA) is None:
+            return "Solve first: fixed points are followed through the samples of the λ cache"
+        return ""
+
+    def start(self, _context, obj):
+        mesh = read_mesh(obj)
+        self._attribute = obj.stormfield.look.shown_field
+        return tracking_steps(cache_of(obj, mesh), mesh, self._attribute)
+
+    def finish(self, context, obj, tracking):
+        analysis_objects.show_tracking(context.scene, obj, tracking, self._attribute)
+        obj.stormfield.analysis.shown = "history"
+        markers = timeline.update_markers(obj)
+        events = len(tracking.bifurcations)
+        told = f"'{obj.name}': {len(tracking.paths)} paths, {events} bifurcations, {markers} timeline markers"
+        if events and not timeline.is_keyed(obj):
+            told += "; key λ to get markers"
+        self.report({"INFO"}, told)
+
+
+CLASSES = (STORMFIELD_OT_analyze_lambda,)

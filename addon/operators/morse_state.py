@@ -1,0 +1,83 @@
+"""The last Morse decomposition of each object in memory, which simplification and refinement go on from.
+
+Never saved: after a file was opened, Morse Sets makes it again. The slider *Simplify* works a moment after it stands
+still, so that dragging stays smooth.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ..analysis.steps import MorseSets
+
+#: Seconds that a slider must stand still before work begins.
+PAUSE = 0.15
+
+
+@dataclass
+class MorseState:
+    found: MorseSets
+    attribute: str
+
+
+_states: dict[str, MorseState] = {}
+
+
+def options(settings) -> dict[str, Any]:
+    """Options of native.start_morse as the panel says them; 0 means a value found from mesh and field."""
+    if settings.method == "geometry":
+        return {"method": "geometry", "eps": settings.eps / 100.0, "relative": True}
+    return {"method": settings.method, "tau": (settings.tau if settings.method == "tau" else settings.length) or None}
+
+
+def remember(obj: bpy.types.Object, found: MorseSets, attribute: str) -> None:
+    _states[obj.name] = MorseState(found, attribute)
+
+
+def of(obj: bpy.types.Object) -> MorseState | None:
+    return _states.get(obj.name)
+
+
+def forget() -> None:
+    _states.clear()
+
+
+def simplify_later(obj: bpy.types.Object) -> None:
+    """Called while the slider moves; simplifies once it stands still."""
+    name = obj.name
+    if bpy.app.background:
+        simplify(obj)
+        return
+
+    def work():
+        found = bpy.data.objects.get(name)
+        if found is not None:
+            simplify(found)
+            bpy.ops.ed.undo_push(message="Simplify Morse Sets")
+
+    _after_pause("simplify", work)
+
+
+def simplify(obj: bpy.types.Object) -> bool:
+    """Merge what errors up to the slider's value merge; whether there was something to go on from."""
+    state = of(obj)
+    if state is None or state.found.decomposition.method != "geometry":
+        return False
+    from ..convert import analysis_objects
+
+    simpler = state.found.simplified(obj.stormfield.morse.simplify / 100.0)
+    analysis_objects.show_morse(obj, simpler.graph, simpler.decomposition.face_sets, state.attribute)
+    return True
+
+
+_pending: dict[str, Any] = {}
+
+
+def _after_pause(what: str, work) -> None:
+    """Run `work` after PAUSE without another call for the same thing."""
+    earlier = _pending.pop(what, None)
+    if earlier is not None and bpy.app.timers.is_registered(earlier):
+        bpy.app.timers.unregister(earlier)
+    _pending[what] = work
+    bpy.app.timers.register(work, first_interval=PAUSE)

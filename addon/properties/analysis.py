@@ -1,0 +1,159 @@
+"""What an analysis found, saved with the object: entities of the current graphs, paths and bifurcations over λ.
+
+The curves and points themselves live in the objects of the collection '<object> analysis'
+(convert/analysis_objects.py); here is what lists, graphs and the overlay need to name, filter and select them.
+"""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+#: The three lists, in the order of their tabs: (identifier, label, tooltip, icon, number).
+LISTS = (
+    ("ecg", "Now", "Fixed points, periodic orbits and their links at one λ", "NONE", 0),
+    ("history", "Over λ", "Paths of the fixed points over λ, and their bifurcations", "NONE", 1),
+    ("mcg", "Morse", "Morse sets: regions that hold all recurrence of the flow, and their order", "NONE", 2),
+)
+#: What the kind filter tells apart; every kind belongs to one of them.
+CATEGORIES = (
+    ("REPELLING", "Repelling", "Sources and repelling orbits: green", "NONE", 1),
+    ("SADDLE", "Saddles", "Saddles: blue", "NONE", 2),
+    ("ATTRACTING", "Attracting", "Sinks and attracting orbits: red", "NONE", 4),
+    ("OTHER", "Others", "Centers, degenerate and trivial ones", "NONE", 8),
+    ("EVENT", "Events", "Bifurcations: where fixed points appear, vanish or change their kind", "NONE", 16),
+)
+_CATEGORY = {"source": "REPELLING", "repelling": "REPELLING", "saddle": "SADDLE", "sink": "ATTRACTING"}
+_CATEGORY |= {"attracting": "ATTRACTING", "creation": "EVENT", "annihilation": "EVENT", "hopf": "EVENT"}
+
+
+def category(kind: str) -> str:
+    return _CATEGORY.get(kind, "OTHER")
+
+
+def _selected(self, _context) -> None:
+    from ..convert import selection
+
+    selection.list_changed(self.id_data, self.path_from_id().rsplit(".", 1)[1])
+
+
+def _filtered(self, _context) -> None:
+    from ..convert import timeline
+
+    if self.path_from_id().endswith("history"):
+        timeline.update_markers(self.id_data)
+
+
+class EntityItem(bpy.types.PropertyGroup):
+    """One entity; its place in the list is its id."""
+
+    name: StringProperty(name="Name")
+    kind: StringProperty(name="Kind")
+    row: StringProperty(name="Row")
+    note: StringProperty(name="Note", description="What else there is to say")
+    position: FloatVectorProperty(name="Position", description="In object space (mesh units)")
+    strength: FloatProperty(name="Strength", description="Rate at which the flow leaves or approaches it (1/s)")
+    lam: FloatProperty(name="λ", description="λ where a bifurcation happens (0..1)")
+    life: FloatProperty(name="Life Span", description="Part of λ it lives through; of a bifurcation, its path (0..1)")
+    lam_start: FloatProperty(name="λ Start", description="λ where it appears (0..1)")
+    lam_end: FloatProperty(name="λ End", description="λ where it vanishes (0..1)")
+    faces: IntProperty(name="Faces", description="Faces of a Morse set (count)")
+
+
+class EntityList(bpy.types.PropertyGroup):
+    items: CollectionProperty(type=EntityItem)
+    active: IntProperty(name="Selected", description="The entity that list, graph and view show", update=_selected)
+    made: BoolProperty(name="Made", description="Whether this analysis was made")
+    lam: FloatProperty(name="λ", description="λ that was analyzed (0..1)")
+    shown_field: StringProperty(name="Field", description="Attribute that was analyzed")
+    strongest: FloatProperty(name="Strongest", description="Greatest strength in the list (1/s)")
+    kinds: EnumProperty(
+        name="Kinds",
+        description="Kinds that list and view show; Shift-click for several",
+        items=CATEGORIES,
+        options={"ENUM_FLAG"},
+        default={key for key, *_ in CATEGORIES},
+        update=_filtered,
+    )
+    min_strength: FloatProperty(
+        name="Strength",
+        description="Hide what is weaker than this part of the strongest (factor 0..1)",
+        subtype="FACTOR",
+        min=0.0,
+        max=1.0,
+        default=0.0,
+        update=_filtered,
+    )
+    min_life: FloatProperty(
+        name="Life Span",
+        description="Hide fixed points that live through a shorter part of λ than this, and their bifurcations (0..1)",
+        subtype="FACTOR",
+        min=0.0,
+        max=1.0,
+        default=0.0,
+        precision=3,
+        update=_filtered,
+    )
+
+    def selected(self) -> EntityItem | None:
+        return self.items[self.active] if 0 <= self.active < len(self.items) else None
+
+    def passes(self, item: EntityItem) -> bool:
+        """Whether the filters let it through."""
+        if category(item.kind) not in self.kinds:
+            return False
+        if self.min_strength > 0 and item.strength < self.min_strength * self.strongest:
+            return False
+        return item.life >= self.min_life
+
+
+class AnalysisProperties(bpy.types.PropertyGroup):
+    ecg: PointerProperty(type=EntityList)
+    history: PointerProperty(type=EntityList)
+    mcg: PointerProperty(type=EntityList)
+    shown: EnumProperty(name="Analysis", description="Which analysis is listed and edited", items=LISTS)
+    version: IntProperty(name="Version", description="Counts analyses, so that drawings know what is new")
+    collection: PointerProperty(type=bpy.types.Collection, name="Results", description="Objects of the analysis")
+    ecg_tree: PointerProperty(type=bpy.types.NodeTree, name="ECG")
+    mcg_tree: PointerProperty(type=bpy.types.NodeTree, name="MCG")
+    markers: StringProperty(name="Markers", description="Timeline markers that belong to this analysis")
+    show: BoolProperty(name="Analysis", description="Draw the analysis in the 3D view", default=True)
+    show_separatrices: BoolProperty(
+        name="Separatrices", description="Curves that leave and enter the saddles, at the λ analyzed", default=True
+    )
+    show_orbits: BoolProperty(name="Periodic Orbits", description="Closed streamlines, at the λ analyzed", default=True)
+    show_paths: BoolProperty(
+        name="Singularity Paths",
+        description="Ways of the fixed points over λ, dark at λ 0 and bright at 1",
+        default=True,
+    )
+    show_sets: BoolProperty(name="Morse Sets", description="Colour the faces of the Morse sets", default=True)
+    show_names: BoolProperty(name="Names", description="Write the names of all entities beside them", default=False)
+    width: FloatProperty(
+        name="Line Width",
+        description="Width of separatrices; orbits and paths are a little wider (pixels at 100 % interface scale)",
+        min=0.5,
+        max=10.0,
+        default=2.0,
+    )
+    opacity: FloatProperty(
+        name="Set Opacity",
+        description="Opacity of the faces of Morse sets (factor 0..1)",
+        subtype="FACTOR",
+        min=0.0,
+        max=1.0,
+        default=0.55,
+    )
+
+    def list(self, which: str) -> EntityList:
+        return getattr(self, which)
+
+
+CLASSES = (EntityItem, EntityList, AnalysisProperties)

@@ -1,0 +1,102 @@
+"""Settings of Morse decompositions, and what the last one was made with."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+
+METHODS = (
+    ("geometry", "Directions", "By the direction in which the flow crosses each edge: fast, coarse, exact indices", 0),
+    ("tau", "Flow Time", "By where the flow takes each face in a time τ: finer, the longer", 1),
+    ("spatial", "Flow Length", "By where the flow takes each face over a length: even where the flow is slow", 2),
+)
+
+
+def _preview(self, _context) -> None:
+    from ..operators import morse_preview
+
+    if self.live:
+        morse_preview.request(self.id_data)
+    else:
+        morse_preview.stop(self.id_data)
+
+
+def _simplify(self, _context) -> None:
+    from ..operators import morse_state
+
+    morse_state.simplify_later(self.id_data)
+
+
+class MorseProperties(bpy.types.PropertyGroup):
+    method: EnumProperty(
+        name="Method", description="How the flow between faces is found", items=METHODS, default="tau", update=_preview
+    )
+    tau: FloatProperty(
+        name="τ",
+        description="Time for which every face is moved along the flow (seconds): longer separates sets that lie "
+        "close together and takes longer; 0 takes a starting value from mesh and field",
+        min=0.0,
+        soft_max=10.0,
+        default=0.0,
+        precision=4,
+        step=1,
+        update=_preview,
+    )
+    length: FloatProperty(
+        name="Length",
+        description="Arc length over which every face is moved along the flow (mesh units, object space); 0 takes a "
+        "starting value from mesh and field",
+        min=0.0,
+        soft_max=10.0,
+        default=0.0,
+        precision=4,
+        step=1,
+        update=_preview,
+    )
+    eps: FloatProperty(
+        name="Error ε",
+        description="The sets hold for every field that differs from this one by up to so much, as a part of the mean "
+        "speed (percent); for the method Directions",
+        subtype="PERCENTAGE",
+        min=0.0,
+        max=100.0,
+        default=0.0,
+        precision=2,
+        update=_preview,
+    )
+    live: BoolProperty(
+        name="Live Preview",
+        description="Show coarse sets at once whenever λ or a setting changes; Morse Sets makes them in full",
+        default=False,
+        update=_preview,
+    )
+    tau_max: FloatProperty(
+        name="Largest τ",
+        description="Refinement doubles τ inside a set up to so many times the τ above (factor)",
+        min=1.0,
+        soft_max=256.0,
+        default=64.0,
+        precision=0,
+    )
+    max_sets: IntProperty(
+        name="Sets at Most", description="Refinement ends at so many sets (count)", min=1, default=500
+    )
+    seconds: FloatProperty(
+        name="Time at Most",
+        description="Refinement ends after so long (seconds); what it has is kept",
+        min=0.1,
+        soft_max=60.0,
+        default=10.0,
+        precision=1,
+    )
+    simplify: FloatProperty(
+        name="Simplify",
+        description="Merge sets that errors up to so much would merge, as a part of the mean speed (percent)",
+        subtype="PERCENTAGE",
+        min=0.0,
+        max=100.0,
+        default=0.0,
+        precision=2,
+        update=_simplify,
+    )
+
+
+CLASSES = (MorseProperties,)

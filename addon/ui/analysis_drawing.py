@@ -1,0 +1,227 @@
+"""What the overlay draws of an analysis, as arrays: lines, marks, coloured faces, lifted off the surface. No GPU here.
+
+Everything comes from the file (objects of the analysis, lists, the face attribute), so that a scene that was opened or
+undone shows what it holds. Worked out again only when results, filters, shape or settings change.
+"""
+
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+
+from ..analysis.entities import KIND_COLOURS
+from ..convert import analysis_objects as objects
+from ..convert import morse_faces
+from ..operators import morse_preview
+from . import drawing_cache
+from .field_drawing import LIFT, Surface
+
+#: Widths of lines, in parts of the artist's line width.
+WIDTHS = {objects.SEPARATRICES: 1.0, objects.ORBITS: 1.7, objects.PATHS: 1.4}
+#: λ nearer than this is the λ that was analyzed.
+SAME_LAM = 5e-4
+
+
+@dataclass
+class Lines:
+    """Curves of one role as segments; `owner` tells whose each segment is."""
+
+    role: str
+    ends: np.ndarray  #: (l, 2, 3)
+    colours: np.ndarray  #: (l, 2, 4)
+    owners: np.ndarray  #: (l, 2) int: ids of the entities it belongs to; twice the same for orbits and paths
+    batch: object = None
+
+    def of(self, entity: int) -> np.ndarray:
+        """(k, 2, 3) segments of one entity."""
+        return self.ends[(self.owners == entity).any(axis=1)]
+
+
+@dataclass
+class Mark:
+    """A place to mark and to click on."""
+
+    which: str  #: list
+    index: int  #: in that list
+    kind: str
+    name: str
+    position: np.ndarray  #: (3,)
+    normal: np.ndarray  #: (3,)
+    lam: float | None = None  #: of a bifurcation
+
+
+@dataclass
+class Faces:
+    """Faces of the Morse sets, and the borders between sets."""
+
+    corners: np.ndarray  #: (3 t, 3)
+    colours: np.ndarray  #: (3 t, 4)
+    border: np.ndarray  #: (l, 2, 3)
+    border_sets: np.ndarray  #: (l, 2) ids on both sides
+    batch: object = None
+    border_batch: object = None
+
+
+@dataclass
+class AnalysisDrawing:
+    lines: dict[str, Lines] = field(default_factory=dict)
+    marks: list[Mark] = field(default_factory=list)  #: of events and sets; fixed points are marked by the field itself
+    entities: list[Mark] = field(default_factory=list)  #: of the graph at its λ
+    faces: Faces | None = None
+
+
+_drawings: dict[str, tuple[tuple, Surface, AnalysisDrawing]] = {}
+
+
+def forget() -> None:
+    _drawings.clear()
+
+
+def is_current(obj: bpy.types.Object, entities) -> bool:
+    """Whether a graph belongs to what is shown now: its λ and its field."""
+    field_now = obj.stormfield
+    return abs(field_now.lam - entities.lam) < SAME_LAM and field_now.look.shown_field == entities.shown_field
+
+
+def drawing_of(evaluated: bpy.types.Object) -> AnalysisDrawing | None:
+    """The drawing of an evaluated object's analysis; None where nothing was analyzed."""
+    analysis = evaluated.original.stormfield.analysis
+    live = evaluated.original.stormfield.morse.live
+    if not (analysis.ecg.made or analysis.history.made or analysis.mcg.made or live):
+        return None
+    surface, mesh = drawing_cache.surface_of(evaluated)
+    preview = morse_preview.of(evaluated.original)
+    key = (
+        preview and preview.version,
+        analysis.version,
+        *(_filter_key(analysis.list(which)) for which in ("ecg", "history", "mcg")),
+    )
+    kept = _drawings.get(evaluated.name)
+    if kept is None or kept[0] != key or kept[1] is not surface:
+        kept = (key, surface, _make(evaluated, surface, mesh))
+        _drawings[evaluated.name] = kept
+    return kept[2]
+
+
+def _filter_key(entities) -> tuple:
+    return tuple(sorted(entities.kinds)), entities.min_strength, entities.min_life
+
+
+def _make(evaluated, surface: Surface, mesh) -> AnalysisDrawing:
+    obj = evaluated.original
+    analysis = obj.stormfield.analysis
+    drawing = AnalysisDrawing()
+    shown = {which: _passing(analysis.list(which)) for which in ("ecg", "history", "mcg")}
+    for role, which, names in (
+        (objects.SEPARATRICES, "ecg", ("source", "target")),
+        (objects.ORBITS, "ecg", ("entity", "entity")),
+        (objects.PATHS, "history", ("entity", "entity")),
+    ):
+        lines = _lines(obj, role, names, shown[which], surface, mesh)
+        if lines is not None:
+            drawing.lines[role] = lines
+    drawing.entities = _marks("ecg", analysis.ecg, shown["ecg"], surface, mesh)
+    events = [i for i in np.flatnonzero(shown["history"]) if analysis.history.items[i].kind in objects.EVENT_KINDS]
+    drawing.marks = _marks("history", analysis.history, _only(shown["history"], events), surface, mesh)
+    drawing.marks += _marks("mcg", analysis.mcg, shown["mcg"], surface, mesh)
+    drawing.faces = _faces(evaluated, surface, analysis.mcg, shown["mcg"])
+    return drawing
+
+
+def _passing(entities) -> np.ndarray:
+    return np.array([entities.passes(item) for item in entities.items], bool)
+
+
+def _only(shown: np.ndarray, indices) -> np.ndarray:
+    kept = np.zeros_like(shown)
+    kept[indices] = True
+    return kept
+
+
+def _lines(obj, role: str, names, shown: np.ndarray, surface: Surface, mesh) -> Lines | None:
+    curves = objects.read_curves(obj, role)
+    if not curves or not len(shown):
+        return None
+    owners = np.stack([objects.read_attribute(obj, role, name) for name in names], axis=1)
+    colours = np.split(objects.read_attribute(obj, role, "colour"), np.cumsum([len(c) for c in curves])[:-1])
+    lifted = np.split(lift(np.concatenate(curves), surface, mesh)[0], np.cumsum([len(c) for c in curves])[:-1])
+    ends, tints, whose = [], [], []
+    for points, tint, owner in zip(lifted, colours, owners, strict=True):
+        if not shown[owner[0]] or not shown[owner[1]]:
+            continue
+        if role == objects.ORBITS:
+            points, tint = np.r_[points, points[:1]], np.r_[tint, tint[:1]]
+        ends.append(np.stack([points[:-1], points[1:]], axis=1))
+        tints.append(np.stack([tint[:-1], tint[1:]], axis=1))
+        whose.append(np.tile(owner, (len(points) - 1, 1)))
+    if not ends:
+        return None
+    return Lines(role, np.concatenate(ends), np.concatenate(tints), np.concatenate(whose))
+
+
+def _marks(which: str, entities, shown: np.ndarray, surface: Surface, mesh) -> list[Mark]:
+    chosen = np.flatnonzero(shown)
+    if not len(chosen):
+        return []
+    places = np.array([entities.items[int(i)].position[:] for i in chosen], np.float64)
+    lifted, normals = lift(places, surface, mesh)
+    marks = []
+    for i, place, normal in zip(chosen.tolist(), lifted, normals, strict=True):
+        item = entities.items[i]
+        lam = item.lam if item.kind in objects.EVENT_KINDS else None
+        marks.append(Mark(which, i, item.kind, item.name, place, normal, lam))
+    return marks
+
+
+def lift(points: np.ndarray, surface: Surface, mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Points onto the surface as it is drawn, and LIFT object sizes above it; and the normals there, both (k, 3)."""
+    points = np.asarray(points, np.float64)
+    if mesh is None or not len(points):
+        return points, np.tile((0.0, 0.0, 1.0), (len(points), 1))
+    found = mesh.closest_points(points)
+    normals = np.einsum("kc,kcd->kd", found[1], surface.normals[surface.triangles[found[0]]])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    return np.asarray(mesh.positions(found[0], found[1])) + LIFT * surface.size * normals, normals
+
+
+# Morse sets -----------------------------------------------------------------------------------------------------------
+
+
+def _faces(evaluated, surface: Surface, entities, shown: np.ndarray) -> Faces | None:
+    preview = morse_preview.of(evaluated.original)
+    if preview is not None:
+        fits = len(preview.sets) == len(surface.triangles)
+        return paint_sets(surface, preview.sets, preview.kinds) if fits else None
+    sets = morse_faces.read(evaluated.data)
+    if sets is None or not len(shown):
+        return None
+    sets = np.where((sets >= 0) & (sets < len(shown)), sets, -1)
+    sets = np.where(np.r_[shown, False][sets], sets, -1)
+    kinds = [item.kind for item in entities.items]
+    return paint_sets(surface, sets, kinds)
+
+
+def paint_sets(surface: Surface, sets: np.ndarray, kinds: list[str]) -> Faces | None:
+    """Coloured triangles of the sets (per triangle the set, -1 for none) and the borders around each set."""
+    inside = np.flatnonzero(sets >= 0)
+    if not len(inside):
+        return None
+    lifted = surface.vertices + 0.35 * LIFT * surface.size * surface.normals
+    table = np.array([(*KIND_COLOURS.get(kind, KIND_COLOURS["other"]), 1.0) for kind in kinds])
+    triangles = surface.triangles
+    edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    owner = np.repeat(sets, 3)
+    order = np.lexsort(np.sort(edges, axis=1).T)
+    ordered = np.sort(edges[order], axis=1)
+    same = (ordered[1:] == ordered[:-1]).all(axis=1)
+    first = np.flatnonzero(same)
+    differ = owner[order[first]] != owner[order[first + 1]]
+    between = first[differ]
+    alone = np.ones(len(order), bool)
+    alone[first] = alone[first + 1] = False
+    rim = np.flatnonzero(alone & (owner[order] >= 0))
+    places = np.concatenate([ordered[between], ordered[rim]])
+    both = np.concatenate(
+        [np.stack([owner[order[between]], owner[order[between + 1]]], 1), np.stack([owner[order[rim]]] * 2, 1)]
+    )
+    return Faces(lifted[triangles[inside]].reshape(-1, 3), np.repeat(table[sets[inside]], 3, 0), lifted[places], both)

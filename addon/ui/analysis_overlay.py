@@ -1,0 +1,230 @@
+"""The analysis in the 3D view: separatrices, orbits and paths as lines, Morse sets as faces, the selected entity.
+
+Lines keep their width at any zoom, fade when λ has moved away from what was analyzed, and are hidden by the surface.
+"""
+
+import blf
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+
+from .. import compat
+from ..convert import analysis_objects as objects
+from ..operators import morse_preview
+from . import analysis_drawing, drawing_cache, legend, marker_drawing, markers
+from .marker_drawing import Marker
+
+#: Opacity of separatrices and orbits of another λ than the one shown.
+STALE = 0.22
+HALO = (1.0, 1.0, 1.0, 0.95)
+
+
+def draw(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types.Object) -> None:
+    analysis = obj.stormfield.analysis
+    drawing = analysis_drawing.drawing_of(evaluated) if analysis.show else None
+    if drawing is None:
+        return
+    unit = context.preferences.system.ui_scale
+    current = analysis_drawing.is_current(obj, analysis.ecg)
+    with gpu.matrix.push_pop():
+        gpu.matrix.multiply_matrix(evaluated.matrix_world)
+        if drawing.faces is not None and analysis.show_sets:
+            _draw_faces(context, drawing.faces, analysis.opacity * _mcg_strength(obj), unit)
+        _draw_halo(context, obj, drawing, unit)
+        for role, lines in drawing.lines.items():
+            if _role_shown(analysis, role):
+                strength = 1.0 if current or role == objects.PATHS else STALE
+                width = analysis.width * analysis_drawing.WIDTHS[role] * unit
+                _draw_lines(context, lines, width, strength)
+    marks = _marks(obj, drawing)
+    marker_drawing.draw(context, evaluated.matrix_world, marks)
+
+
+def _mcg_strength(obj) -> float:
+    return 1.0 if morse_preview.of(obj) or analysis_drawing.is_current(obj, obj.stormfield.analysis.mcg) else 0.4
+
+
+def _role_shown(analysis, role: str) -> bool:
+    return {
+        objects.SEPARATRICES: analysis.show_separatrices,
+        objects.ORBITS: analysis.show_orbits,
+        objects.PATHS: analysis.show_paths,
+    }[role]
+
+
+def _draw_lines(context, lines, width: float, strength: float) -> None:
+    shader = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
+    if lines.batch is None or lines.batch[0] != strength:
+        colours = lines.colours * (1.0, 1.0, 1.0, strength)
+        lines.batch = (strength, _line_batch(shader, lines.ends, colours))
+    _draw_polyline(context, shader, lines.batch[1], width)
+
+
+def _draw_halo(context, obj, drawing, unit: float) -> None:
+    """White beneath the curves of the selected entity."""
+    analysis = obj.stormfield.analysis
+    index = analysis.list(analysis.shown).active
+    if analysis.list(analysis.shown).selected() is None:
+        return
+    shader = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
+    ends: list[np.ndarray] = []
+    if analysis.shown == "mcg" and drawing.faces is not None and analysis.show_sets:
+        faces = drawing.faces
+        ends.append(faces.border[(faces.border_sets == index).any(axis=1)])
+    for role, lines in drawing.lines.items():
+        which = "history" if role == objects.PATHS else "ecg"
+        if which == analysis.shown and _role_shown(analysis, role):
+            ends.append(lines.of(index))
+    shown = np.concatenate(ends) if ends else np.zeros((0, 2, 3))
+    if len(shown):
+        white = np.broadcast_to(HALO, (len(shown), 2, 4))
+        _draw_polyline(context, shader, _line_batch(shader, shown, white), (1.4 * analysis.width + 3.0) * unit)
+
+
+def _line_batch(shader, ends: np.ndarray, colours: np.ndarray):
+    return batch_for_shader(
+        shader,
+        "LINES",
+        {"pos": ends.reshape(-1, 3).astype(np.float32), "color": colours.reshape(-1, 4).astype(np.float32)},
+    )
+
+
+def _draw_polyline(context, shader, batch, width: float) -> None:
+    shader.bind()
+    shader.uniform_float("viewportSize", (context.region.width, context.region.height))
+    shader.uniform_float("lineWidth", width)
+    batch.draw(shader)
+
+
+def _draw_faces(context, faces, opacity: float, unit: float) -> None:
+    shader = compat.builtin_shader("SMOOTH_COLOR")
+    if faces.batch is None or faces.batch[0] != opacity:
+        colours = (faces.colours * (1.0, 1.0, 1.0, opacity)).astype(np.float32)
+        faces.batch = (
+            opacity,
+            batch_for_shader(shader, "TRIS", {"pos": faces.corners.astype(np.float32), "color": colours}),
+        )
+    faces.batch[1].draw(shader)
+    line = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
+    if faces.border_batch is None:
+        dark = np.broadcast_to((0.02, 0.02, 0.03, 0.8), (len(faces.border), 2, 4))
+        faces.border_batch = _line_batch(line, faces.border, dark)
+    _draw_polyline(context, line, faces.border_batch, 1.2 * unit)
+
+
+# Marks and names ------------------------------------------------------------------------------------------------------
+
+
+def visible_marks(obj: bpy.types.Object, drawing) -> list:
+    """What can be clicked on now."""
+    analysis = obj.stormfield.analysis
+    marks = [mark for mark in drawing.marks if mark.which == "history" and analysis.show_paths]
+    if analysis.show_sets and analysis.shown == "mcg":
+        marks += [mark for mark in drawing.marks if mark.which == "mcg"]
+    if analysis_drawing.is_current(obj, analysis.ecg) and analysis.shown != "mcg":
+        marks += drawing.entities
+    return marks
+
+
+def _marks(obj, drawing) -> list[Marker]:
+    """Bifurcations, brighter the nearer λ is; Morse sets while they are listed; orbits; a ring around the selected."""
+    analysis = obj.stormfield.analysis
+    shown = []
+    for mark in visible_marks(obj, drawing):
+        opacity, size = 1.0, 1.0
+        if mark.lam is not None:
+            opacity, size = 0.35 + 0.65 * np.exp(-(((mark.lam - obj.stormfield.lam) / 0.04) ** 2)), 0.85
+        if mark.which != "ecg":
+            shown.append(Marker(mark.kind, mark.position, size, opacity))
+        elif mark.kind in {"repelling", "attracting"}:
+            shown.append(Marker(mark.kind, mark.position, 0.8))
+        if (mark.which, mark.index) == (analysis.shown, analysis.list(analysis.shown).active):
+            shown.append(Marker("ring", mark.position))
+    return shown
+
+
+def draw_names(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types.Object) -> None:
+    """Names beside the entities that face the viewer: of all, or of the selected one."""
+    analysis = obj.stormfield.analysis
+    drawing = analysis_drawing.drawing_of(evaluated) if analysis.show else None
+    if drawing is None:
+        return
+    unit = context.preferences.system.ui_scale
+    selected = (analysis.shown, analysis.list(analysis.shown).active)
+    named = [
+        mark
+        for mark in visible_marks(obj, drawing)
+        if (mark.which, mark.index) == selected or (analysis.show_names and mark.lam is None)
+    ]
+    if not named:
+        return
+    eye = np.array(context.region_data.view_matrix.inverted())
+    to_object = np.array(evaluated.matrix_world.inverted_safe())
+    eye = to_object[:3, :3] @ eye[:3, 3] + to_object[:3, 3]
+    places = marker_drawing.on_screen(context, evaluated.matrix_world, np.array([mark.position for mark in named]))
+    for mark, (x, y) in zip(named, places, strict=True):
+        if np.isfinite(x) and float(mark.normal @ (eye - mark.position)) > 0:
+            _write(mark.name, x + 13 * unit, y + 5 * unit, unit)
+
+
+def _write(text: str, x: float, y: float, unit: float) -> None:
+    blf.size(0, 13.0 * unit)
+    blf.enable(0, blf.SHADOW)
+    blf.shadow(0, 5, 0.0, 0.0, 0.0, 0.9)
+    blf.color(0, 1.0, 1.0, 1.0, 1.0)
+    blf.position(0, x, y, 0.0)
+    blf.draw(0, text)
+    blf.disable(0, blf.SHADOW)
+
+
+# Legend ---------------------------------------------------------------------------------------------------------------
+
+
+def legend_blocks(obj: bpy.types.Object) -> list[legend.Block]:
+    """Blocks of the analyses that were made and are shown."""
+    analysis = obj.stormfield.analysis
+    blocks: list[legend.Block] = []
+    if not analysis.show:
+        return blocks
+    if analysis.ecg.made and (analysis.show_separatrices or analysis.show_orbits):
+        counts = _counts(analysis.ecg, ("repelling", "attracting"))
+        now = "" if analysis_drawing.is_current(obj, analysis.ecg) else "  (not now)"
+        blocks.append(legend.Block(f"Topology  λ {analysis.ecg.lam:.3f}{now}", _rows(counts)))
+    if analysis.history.made and analysis.show_paths:
+        counts = _counts(analysis.history, ("creation", "annihilation", "hopf"))
+        paths = sum(item.kind not in objects.EVENT_KINDS for item in _passing(analysis.history))
+        ramp = objects.lam_colours(np.linspace(0.0, 1.0, 13))
+        blocks.append(legend.Block(f"Over λ: {paths} paths", _rows(counts, always=True), ramp))
+    preview = morse_preview.of(obj)
+    if preview is not None and analysis.show_sets:
+        counts = {kind: preview.kinds.count(kind) for kind in markers.NAMES}
+        blocks.append(legend.Block(f"Preview  λ {preview.lam:.3f}", _rows(counts)))
+    elif analysis.mcg.made and analysis.show_sets:
+        counts = _counts(analysis.mcg, ())
+        now = "" if analysis_drawing.is_current(obj, analysis.mcg) else "  (not now)"
+        blocks.append(legend.Block(f"Morse sets  λ {analysis.mcg.lam:.3f}{now}", _rows(counts)))
+    return blocks
+
+
+def _passing(entities) -> list:
+    return [item for item in entities.items if entities.passes(item)]
+
+
+def _counts(entities, kinds) -> dict[str, int]:
+    """How many of each kind pass the filters; `kinds` alone when given."""
+    counts = dict.fromkeys(kinds, 0)
+    for item in _passing(entities):
+        if not kinds or item.kind in kinds:
+            counts[item.kind] = counts.get(item.kind, 0) + 1
+    return counts
+
+
+def _rows(counts: dict[str, int], always: bool = False) -> list[tuple[str, str]]:
+    order = [kind for kind in markers.NAMES if kind in counts]
+    return [(kind, f"{markers.NAMES[kind]}  {counts[kind]}") for kind in order if counts[kind] or always]
+
+
+def forget() -> None:
+    analysis_drawing.forget()
+    drawing_cache.forget()

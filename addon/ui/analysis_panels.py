@@ -1,0 +1,169 @@
+"""The Analysis panel: what the field does now and over λ, in lists to filter and select in; and curves made of it."""
+
+import bpy
+
+from ..convert import entity_nodes
+from ..operators.analyze import STORMFIELD_OT_analyze
+from ..operators.analyze_lambda import STORMFIELD_OT_analyze_lambda
+from ..operators.shared import active_field
+from ..properties.analysis import CATEGORIES
+from . import icons, markers
+from .panels import FieldPanel, draw_progress, hint, text_lines
+
+#: What a list says while it is empty.
+EMPTY = {
+    "ecg": "Analyze at this Frame finds fixed points, orbits and their links",
+    "history": "Analyze over λ follows the fixed points and finds bifurcations",
+    "mcg": "Morse Sets divides the surface; see the Morse panel below",
+}
+
+
+class STORMFIELD_PT_analysis(FieldPanel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_analysis"
+    bl_label = "Analysis"
+
+    def draw(self, context):
+        layout = self.layout
+        obj = active_field(context)
+        analysis = obj.stormfield.analysis
+        if not any([draw_progress(layout, title) for title in ("Analyzing", "Following")]):
+            column = layout.column(align=True)
+            column.scale_y = 1.2
+            column.operator("stormfield.analyze", icon="VIEWZOOM")
+            column.operator("stormfield.analyze_lambda", icon="FCURVE")
+            hint(context, layout, STORMFIELD_OT_analyze.why_not(obj) or STORMFIELD_OT_analyze_lambda.why_not(obj))
+        layout.row(align=True).prop(analysis, "shown", expand=True)
+        entities = analysis.list(analysis.shown)
+        if not entities.made:
+            text_lines(context, layout, EMPTY[analysis.shown], icon="INFO")
+            return
+        row = layout.row()
+        row.template_list("STORMFIELD_UL_entities", analysis.shown, entities, "items", entities, "active", rows=6)
+        column = row.column(align=True)
+        column.operator("stormfield.go_to_entity", text="", icon="ZOOM_SELECTED")
+        column.operator("stormfield.show_graph", text="", icon="NODETREE")
+        column.separator()
+        column.operator("stormfield.forget_analysis", text="", icon="X")
+        draw_entity(context, layout, obj, analysis.shown)
+        _draw_filters(layout, entities, analysis.shown)
+
+
+class STORMFIELD_PT_curves(FieldPanel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_curves"
+    bl_label = "Curves"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and any(_exists(name) for name, _icon in CURVES)
+
+    def draw(self, _context):
+        column = self.layout.column(align=True)
+        for name, icon in CURVES:
+            if _exists(name):
+                column.operator(f"stormfield.{name}", icon=icon)
+
+
+#: Operators that make curves for hair and curve shading.
+CURVES = (("streamlines", "OUTLINER_OB_CURVES"), ("pathlines", "TRACKING"))
+
+
+def _exists(name: str) -> bool:
+    return hasattr(bpy.types, f"STORMFIELD_OT_{name}")
+
+
+def draw_entity(context, layout, obj, which: str) -> None:
+    """The selected entity in words; the same below the list and in the graph editor."""
+    entities = obj.stormfield.analysis.list(which)
+    item = entities.selected()
+    if item is None:
+        layout.label(text="Click an entity to see more", icon="RESTRICT_SELECT_OFF")
+        return
+    box = layout.box().column(align=True)
+    box.label(text=f"{item.name}   {markers.NAMES.get(item.kind, item.kind.title())}", icon_value=icons.of(item.kind))
+    for text in _facts(which, item):
+        text_lines(context, box, text, icon="BLANK1")
+
+
+def _facts(which: str, item) -> list[str]:
+    facts = []
+    if which == "history" and item.lam_end > item.lam_start:
+        facts.append(f"λ {item.lam_start:.3f} to {item.lam_end:.3f}")
+    elif which == "history" and item.kind in markers.EVENTS:
+        facts.append(f"at λ {item.lam:.4f}")
+    if item.faces:
+        facts.append(f"{item.faces} faces")
+    if item.strength > 0:
+        facts.append(
+            f"persistence {item.strength:.3g}" if which == "mcg" else f"strength {item.strength:.3g} per second"
+        )
+    return [*facts, item.note] if item.note else facts
+
+
+def _draw_filters(layout, entities, which: str) -> None:
+    header, body = layout.panel(f"stormfield_filters_{which}", default_closed=True)
+    shown = sum(entities.passes(item) for item in entities.items)
+    header.label(text=f"Filter: {shown} of {len(entities.items)} shown")
+    if body is None:
+        return
+    body.use_property_split = True
+    body.use_property_decorate = False
+    column = body.column()
+    grid = column.grid_flow(columns=2, align=True)
+    grid.use_property_split = False
+    for key, *_ in CATEGORIES:
+        if key != "EVENT" or which == "history":
+            grid.prop_enum(entities, "kinds", key)
+    column.prop(entities, "min_strength", slider=True)
+    if which == "history":
+        column.prop(entities, "min_life", slider=True)
+
+
+class STORMFIELD_OT_show_graph(bpy.types.Operator):
+    """Show the graph of the entities in an editor beside the 3D view"""
+
+    bl_idname = "stormfield.show_graph"
+    bl_label = "Show Graph"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        obj = active_field(context)
+        analysis = obj.stormfield.analysis if obj is not None else None
+        if analysis is None or not (analysis.ecg_tree or analysis.mcg_tree):
+            cls.poll_message_set("There is no graph yet: Analyze at this Frame, or make Morse sets")
+            return False
+        if context.area is None or context.screen.show_fullscreen:
+            cls.poll_message_set("Needs a window with more than one editor; leave full screen")
+            return False
+        return True
+
+    def execute(self, context):
+        area = next((a for a in context.screen.areas if a.ui_type == entity_nodes.TREE), None)
+        if area is None:
+            before = set(context.screen.areas)
+            bpy.ops.screen.area_split(direction="HORIZONTAL", factor=0.36)
+            area = next(iter(set(context.screen.areas) - before))
+            area.ui_type = entity_nodes.TREE
+            _settle(area)
+        bpy.app.timers.register(lambda: _frame_all(), first_interval=0.1)
+        return {"FINISHED"}
+
+
+def _settle(area: bpy.types.Area) -> None:
+    space = area.spaces.active
+    space.show_region_toolbar = space.show_region_ui = False
+    space.overlay.show_context_path = False
+
+
+def _frame_all() -> None:
+    """Show the whole graph in every editor that is open, once it has been drawn."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.ui_type == entity_nodes.TREE:
+                region = next(region for region in area.regions if region.type == "WINDOW")
+                with bpy.context.temp_override(window=window, area=area, region=region):
+                    bpy.ops.node.view_all()
+
+
+CLASSES = (STORMFIELD_PT_analysis, STORMFIELD_PT_curves, STORMFIELD_OT_show_graph)

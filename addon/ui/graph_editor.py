@@ -1,0 +1,260 @@
+"""The graph editor: entity and Morse connection graphs as a node tree of their own, drawn from row to row.
+
+Blender draws the nodes; links are drawn here, from the bottom of a node to the top of the next, in colours that fade
+from one entity to the other. Those of the selected entity stand out. The editor shows the graph of the active field by
+itself. Nothing is written while drawing: a node that was clicked is taken over a moment later, by a timer.
+"""
+
+import bpy
+import gpu
+import numpy as np
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+from gpu_extras.batch import batch_for_shader
+
+from .. import compat
+from ..analysis.entities import KIND_COLOURS
+from ..convert import entity_nodes, selection
+from ..operators.shared import active_field
+from . import icons
+
+#: Height of a node that is folded into a pill, in its tree's units.
+PILL = 20.0
+#: Pieces of a link's curve.
+PIECES = 16
+_handle = None
+
+
+class RouteItem(bpy.types.PropertyGroup):
+    """A link as it is drawn: between two nodes by name, through a bend where it passes the saddles."""
+
+    source: StringProperty()
+    target: StringProperty()
+    bends: BoolProperty()
+    bend: FloatVectorProperty(size=2)
+
+
+class StormfieldGraph(bpy.types.NodeTree):
+    """Which entities the flow has and where it leads: repelling ones above, saddles between, attracting ones below"""
+
+    bl_idname = entity_nodes.TREE
+    bl_label = "Stormfield Graph"
+    bl_icon = "NODETREE"
+
+    owner: PointerProperty(type=bpy.types.Object, name="Object", description="Mesh whose field this graph describes")
+    which: StringProperty(description="ecg or mcg")
+    title: StringProperty()
+    routes: CollectionProperty(type=RouteItem)
+
+    @classmethod
+    def get_from_context(cls, context):
+        """The editor follows the active field, unless it is pinned."""
+        obj = active_field(context)
+        if obj is None:
+            return None, None, None
+        return shown_tree(obj), obj, obj
+
+
+def shown_tree(obj: bpy.types.Object) -> bpy.types.NodeTree | None:
+    """The graph of the analysis that is listed; without one, the other."""
+    analysis = obj.stormfield.analysis
+    trees = (analysis.mcg_tree, analysis.ecg_tree)
+    if analysis.shown != "mcg":
+        trees = trees[::-1]
+    return trees[0] or trees[1]
+
+
+class StormfieldEntity(bpy.types.Node):
+    bl_idname = entity_nodes.NODE
+    bl_label = "Entity"
+    bl_width_min, bl_width_default, bl_width_max = 40.0, entity_nodes.WIDTH, 200.0
+
+    entity: IntProperty(description="Place in the list")
+    kind: StringProperty(description="source, sink, saddle, ...")
+
+    @classmethod
+    def poll(cls, tree):
+        return tree.bl_idname == entity_nodes.TREE
+
+    def init(self, _context):
+        for socket in (
+            self.inputs.new("NodeSocketFloat", "From", use_multi_input=True),
+            self.outputs.new("NodeSocketFloat", "To"),
+        ):
+            socket.enabled = False
+
+    def draw_buttons(self, _context, layout):
+        layout.label(text=self.kind.title(), icon_value=icons.of(self.kind))
+
+
+class STORMFIELD_PT_graph_entity(bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_graph_entity"
+    bl_label = "Entity"
+    bl_space_type = "NODE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "Stormfield"
+
+    @classmethod
+    def poll(cls, context):
+        tree = context.space_data.edit_tree
+        return tree is not None and tree.bl_idname == entity_nodes.TREE and tree.owner is not None
+
+    def draw(self, context):
+        from .analysis_panels import draw_entity
+
+        tree = context.space_data.edit_tree
+        self.layout.label(text=tree.title, icon="NODETREE")
+        draw_entity(context, self.layout, tree.owner, tree.which)
+
+
+def draw_header(self, context):
+    """Title and choice of the graph, in the editor's header."""
+    space = context.space_data
+    if space.tree_type != entity_nodes.TREE:
+        return
+    obj = active_field(context)
+    if obj is None:
+        self.layout.label(text="Select a mesh with a Stormfield field", icon="INFO")
+        return
+    analysis = obj.stormfield.analysis
+    if space.edit_tree is None:
+        self.layout.label(text="No graph yet: Analyze at this Frame, in the Stormfield tab of the 3D view", icon="INFO")
+        return
+    row = self.layout.row(align=True)
+    for which, text in (("ecg", "ECG"), ("mcg", "MCG")):
+        if getattr(analysis, f"{which}_tree") is not None:
+            row.prop_enum(analysis, "shown", which, text=text)
+    counted = analysis.list(space.edit_tree.which)
+    self.layout.label(text=f"{space.edit_tree.title} at λ {counted.lam:.3f}: {len(counted.items)} entities")
+
+
+# Links ----------------------------------------------------------------------------------------------------------------
+
+
+def _draw() -> None:
+    context = bpy.context
+    tree = context.space_data.edit_tree
+    if context.space_data.tree_type != entity_nodes.TREE or tree is None or tree.bl_idname != entity_nodes.TREE:
+        return
+    draw_links(context, tree)
+    owner = tree.owner
+    active = tree.nodes.active
+    clicked = active is not None and active.select
+    if owner is not None and clicked and active.entity != owner.stormfield.analysis.list(tree.which).active:
+        _take_over(owner.name, tree.which)
+
+
+def _take_over(name: str, which: str) -> None:
+    """Drawing must not write; a timer does, right after it."""
+
+    def later():
+        obj = bpy.data.objects.get(name)
+        if obj is not None:
+            selection.follow_graph(obj, which)
+
+    bpy.app.timers.register(later, first_interval=0.0)
+
+
+def draw_links(context: bpy.types.Context, tree: bpy.types.NodeTree) -> None:
+    to_view, unit = context.region.view2d, context.preferences.system.ui_scale
+    lines, colours = link_lines(tree, unit)
+    if not len(lines):
+        return
+    corner, along = (np.array(to_view.view_to_region(*xy, clip=False)) for xy in ((0.0, 0.0), (1e4, 1e4)))
+    positions = corner + lines.reshape(-1, 2) * (along - corner) / 1e4
+    shader = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
+    batch = batch_for_shader(
+        shader,
+        "LINES",
+        {
+            "pos": np.c_[positions, np.zeros(len(positions))].astype(np.float32),
+            "color": colours.reshape(-1, 4).astype(np.float32),
+        },
+    )
+    gpu.state.blend_set("ALPHA")
+    shader.bind()
+    shader.uniform_float("viewportSize", (context.region.width, context.region.height))
+    shader.uniform_float("lineWidth", 1.8 * unit)
+    batch.draw(shader)
+    gpu.state.blend_set("NONE")
+
+
+def link_lines(tree: bpy.types.NodeTree, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Segments of all links (l, 2, 2) in the view's units, and their colours (l, 2, 4); arrow heads included."""
+    nodes = tree.nodes
+    active = nodes.active.name if nodes.active is not None and nodes.active.select else None
+    where = {node.name: np.array((node.location[0] + 0.5 * node.width, node.location[1])) for node in nodes}
+    tint = {node.name: np.array(KIND_COLOURS.get(node.kind, KIND_COLOURS["other"])) for node in nodes}
+    lines, colours = [], []
+    for route in sorted(tree.routes, key=lambda route: active in (route.source, route.target)):
+        if route.source not in where or route.target not in where:
+            continue  # the node was deleted
+        points = _curve(where[route.source], where[route.target], np.array(route.bend) if route.bends else None)
+        blend = np.linspace(0.0, 1.0, len(points))[:, None]
+        colour = tint[route.source] * (1 - blend) + tint[route.target] * blend
+        shown = 1.0 if active in (route.source, route.target) else 0.35 if active else 0.65
+        if shown == 1.0:
+            colour = 0.35 + 0.65 * colour
+        colour = np.c_[colour, np.full(len(points), shown)]
+        lines.append(np.stack([points[:-1], points[1:]], axis=1))
+        colours.append(np.stack([colour[:-1], colour[1:]], axis=1))
+        head = _arrow(points)
+        lines.append(head)
+        colours.append(np.broadcast_to(colour[-1], (len(head), 2, 4)))
+    if not lines:
+        return np.zeros((0, 2, 2)), np.zeros((0, 2, 4))
+    return np.concatenate(lines) * unit, np.concatenate(colours)
+
+
+def _curve(start: np.ndarray, end: np.ndarray, bend: np.ndarray | None) -> np.ndarray:
+    """From edge to edge of two nodes: leaves and arrives upright; within a row an arch above it."""
+    t = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
+    half = np.array([0.0, 0.5 * PILL])
+    if abs(start[1] - end[1]) < PILL:
+        top = np.array([0.5 * (start[0] + end[0]), max(start[1], end[1]) + 0.3 * abs(end[0] - start[0])])
+        start, end = start + half, end + half
+        return (1 - t) ** 2 * start + 2 * t * (1 - t) * top + t**2 * end
+    sign = 1.0 if start[1] > end[1] else -1.0
+    start, end = start - sign * half, end + sign * half
+    if bend is None:
+        return _upright(start, end, t)
+    return np.concatenate([_upright(start, bend, t)[:-1], _upright(bend, end, t)])
+
+
+def _upright(start: np.ndarray, end: np.ndarray, t: np.ndarray) -> np.ndarray:
+    reach = np.array([0.0, 0.4 * (end[1] - start[1])])
+    a, b = start + reach, end - reach
+    return (1 - t) ** 3 * start + 3 * t * (1 - t) ** 2 * a + 3 * t**2 * (1 - t) * b + t**3 * end
+
+
+def _arrow(points: np.ndarray) -> np.ndarray:
+    """Two barbs at the end of a curve: (2, 2, 2)."""
+    tip = points[-1]
+    back = points[-2] - tip
+    back *= 9.0 / max(float(np.linalg.norm(back)), 1e-9)
+    aside = 0.45 * np.array([-back[1], back[0]])
+    return np.array([[tip, tip + back + aside], [tip, tip + back - aside]])
+
+
+CLASSES = (RouteItem, StormfieldGraph, StormfieldEntity, STORMFIELD_PT_graph_entity)
+
+
+def register() -> None:
+    global _handle
+    bpy.types.NODE_HT_header.append(draw_header)
+    if not bpy.app.background:
+        _handle = bpy.types.SpaceNodeEditor.draw_handler_add(_draw, (), "WINDOW", "BACKDROP")
+
+
+def unregister() -> None:
+    global _handle
+    if _handle is not None:
+        bpy.types.SpaceNodeEditor.draw_handler_remove(_handle, "WINDOW")
+        _handle = None
+    bpy.types.NODE_HT_header.remove(draw_header)

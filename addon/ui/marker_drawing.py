@@ -1,0 +1,76 @@
+"""Markers in the 3D view: they face the viewer and keep their size on screen at any zoom; surfaces hide them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+
+from .. import compat
+from . import markers
+
+#: Radius of a marker on screen, in pixels at 100 % interface scale.
+RADIUS = 7.0
+_RING = np.linspace(0.0, 2.0 * np.pi, 33)
+
+
+@dataclass(frozen=True)
+class Marker:
+    kind: str  #: a kind, or "ring" around a selected one
+    position: np.ndarray  #: (3,) in the object's space
+    size: float = 1.0  #: of RADIUS
+    opacity: float = 1.0
+
+
+def draw(context: bpy.types.Context, matrix_world, shown: Iterable[Marker]) -> None:
+    """Draw markers of one object in view space; the caller has set blending and depth test."""
+    view = context.region_data
+    matrix = np.array(matrix_world)
+    perspective = np.array(view.perspective_matrix)
+    axes = np.array(view.view_matrix.inverted())
+    right, up, back = axes[:3, 0], axes[:3, 1], axes[:3, 2]
+    eye = axes[:3, 3] if view.is_perspective else None
+    pixels = RADIUS * context.preferences.system.ui_scale
+    scale = np.linalg.norm(np.array(view.window_matrix)[1, :3]) * context.region.height / 2.0
+    corners, colours = [], []
+    for marker in shown:
+        place = matrix[:3, :3] @ marker.position + matrix[:3, 3]
+        depth = float(perspective[3, :3] @ place + perspective[3, 3])
+        if depth <= 0:
+            continue
+        radius = pixels * depth / scale
+        towards = back if eye is None else (eye - place) / np.linalg.norm(eye - place)
+        flat, colour = ring() if marker.kind == "ring" else markers.triangles(marker.kind)
+        flat = flat * marker.size
+        corners.append(place + radius * (flat[:, :1] * right + flat[:, 1:] * up) + 1.5 * radius * towards)
+        colours.append(colour * (1.0, 1.0, 1.0, marker.opacity))
+    if corners:
+        shader = compat.builtin_shader("SMOOTH_COLOR")
+        batch_for_shader(
+            shader,
+            "TRIS",
+            {
+                "pos": np.concatenate(corners).astype(np.float32),
+                "color": np.concatenate(colours).astype(np.float32),
+            },
+        ).draw(shader)
+
+
+def ring() -> tuple[np.ndarray, np.ndarray]:
+    """A white ring around a marker: corners (3 t, 2) and colours (3 t, 4)."""
+    circle = np.stack([np.cos(_RING), np.sin(_RING)], axis=1)
+    inner, outer = 1.45 * circle, 1.85 * circle
+    corners = np.concatenate(
+        [np.stack([inner[:-1], outer[:-1], outer[1:]], 1), np.stack([inner[:-1], outer[1:], inner[1:]], 1)]
+    ).reshape(-1, 2)
+    return corners.astype(np.float32), np.ones((len(corners), 4), np.float32)
+
+
+def on_screen(context: bpy.types.Context, matrix_world, positions: np.ndarray) -> np.ndarray:
+    """(k, 2) pixels of the region; not a number behind the viewer."""
+    matrix = np.array(context.region_data.perspective_matrix) @ np.array(matrix_world)
+    clip = np.c_[positions, np.ones(len(positions))] @ matrix.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        plane = np.where(clip[:, 3:] > 0, clip[:, :2] / clip[:, 3:], np.nan)
+    return 0.5 * (plane + 1.0) * (context.region.width, context.region.height)

@@ -1,0 +1,62 @@
+"""The Morse panel: how sets are found, refined and simplified."""
+
+import bpy
+
+from ..operators import morse_state
+from ..operators.morse import STORMFIELD_OT_morse_sets
+from ..operators.shared import active_field
+from . import drawing_cache
+from .panels import FieldPanel, draw_progress, hint, text_lines
+
+#: Titles of the jobs whose progress is shown here.
+JOBS = ("Dividing", "Refining")
+
+
+class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_morse"
+    bl_label = "Morse Sets"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        obj = active_field(context)
+        settings = obj.stormfield.morse
+        if not any([draw_progress(layout, title) for title in JOBS]):
+            row = layout.row(align=True)
+            row.scale_y = 1.4
+            row.operator("stormfield.morse_sets", icon="MOD_MASK")
+            live = row.row(align=True)
+            live.use_property_split = False
+            live.prop(settings, "live", text="", icon="HIDE_OFF" if settings.live else "HIDE_ON")
+            hint(context, layout, STORMFIELD_OT_morse_sets.why_not(obj))
+        column = layout.column()
+        column.prop(settings, "method")
+        if settings.method == "geometry":
+            column.prop(settings, "eps")
+        else:
+            name = "tau" if settings.method == "tau" else "length"
+            column.prop(settings, name)
+            if getattr(settings, name) == 0:
+                text_lines(context, layout, self._suggestion(obj, settings.method), icon="INFO")
+        state = morse_state.of(obj)
+        if not obj.stormfield.analysis.mcg.made:
+            return
+        if settings.method == "geometry":
+            column = layout.column()
+            column.enabled = state is not None and state.found.decomposition.method == "geometry"
+            column.prop(settings, "simplify", slider=True)
+            if state is None:
+                text_lines(context, layout, "Make Morse Sets again to simplify or refine them", icon="INFO")
+
+    @staticmethod
+    def _suggestion(obj, method: str) -> str:
+        """What 0 stands for, where it is known."""
+        found = drawing_cache.starting_tau(obj, method)
+        if found is None:
+            return "0 takes a value found from mesh and field"
+        return f"0 takes {found:.3g} s" if method == "tau" else f"0 takes {found:.3g} mesh units"
+
+
+CLASSES = (STORMFIELD_PT_morse,)

@@ -1,0 +1,131 @@
+"""A click on an entity in the 3D view selects it, with every tool: a gizmo without a picture of its own.
+
+Blender asks the gizmo first whether something of it lies under the pointer, so that a click beside all markers does
+what it always does. Bifurcations, Morse sets and entities can be hit at their markers, orbits and paths along their
+lines; what the surface hides cannot.
+"""
+
+import bpy
+import numpy as np
+from bpy_extras import view3d_utils
+from mathutils import Vector
+
+from ..convert import analysis_objects as objects
+from ..operators.shared import active_field
+from . import analysis_drawing, analysis_overlay, marker_drawing
+
+#: How near the pointer must be to a marker and to a line (pixels at 100 % interface scale).
+REACH, LINE_REACH = 11.0, 6.0
+
+
+def entity_at(context: bpy.types.Context, obj, evaluated, pointer) -> tuple[str, int] | None:
+    """List and place of the entity under the pointer (pixels of the region), the nearest first."""
+    drawing = analysis_drawing.drawing_of(evaluated)
+    if drawing is None:
+        return None
+    unit = context.preferences.system.ui_scale
+    pointer = np.asarray(pointer, float)
+    found: list[tuple[float, str, int, np.ndarray]] = []
+    marks = analysis_overlay.visible_marks(obj, drawing)
+    if marks:
+        places = np.array([mark.position for mark in marks])
+        away = np.linalg.norm(marker_drawing.on_screen(context, evaluated.matrix_world, places) - pointer, axis=1)
+        near = np.flatnonzero(away < REACH * unit)
+        found += [(away[i], marks[i].which, marks[i].index, places[i]) for i in near]
+    for role, which, shown in _lines_to_hit(obj):
+        lines = drawing.lines.get(role)
+        if lines is None or not shown:
+            continue
+        away, places = _distance_to_lines(context, evaluated.matrix_world, lines.ends, pointer)
+        nearest = int(np.argmin(away))
+        if away[nearest] < LINE_REACH * unit:  # after any marker
+            owner = int(lines.owners[nearest, 0])
+            found.append((REACH * unit + away[nearest], which, owner, places[nearest]))
+    for _, which, index, place in sorted(found, key=lambda hit: hit[0]):
+        if not _hidden(context, evaluated, place):
+            return which, index
+    return None
+
+
+def _lines_to_hit(obj):
+    analysis = obj.stormfield.analysis
+    current = analysis_drawing.is_current(obj, analysis.ecg)
+    yield objects.ORBITS, "ecg", analysis.show_orbits and current
+    yield objects.PATHS, "history", analysis.show_paths
+
+
+def _distance_to_lines(context, matrix, ends: np.ndarray, pointer: np.ndarray):
+    """(l,) pixels from the pointer to each segment, infinite behind the viewer, and the points (l, 3) next to it."""
+    flat = marker_drawing.on_screen(context, matrix, ends.reshape(-1, 3)).reshape(-1, 2, 2)
+    start, along = flat[:, 0], flat[:, 1] - flat[:, 0]
+    length = np.maximum((along**2).sum(axis=1), 1e-12)
+    part = np.clip(((pointer - start) * along).sum(axis=1) / length, 0.0, 1.0)
+    away = np.linalg.norm(start + part[:, None] * along - pointer, axis=1)
+    places = ends[:, 0] + part[:, None] * (ends[:, 1] - ends[:, 0])
+    return np.where(np.isfinite(away), away, np.inf), places
+
+
+def _hidden(context, evaluated, place: np.ndarray) -> bool:
+    """Whether the object itself is in front of a point of it."""
+    world = evaluated.matrix_world @ Vector(place)
+    pixel = view3d_utils.location_3d_to_region_2d(context.region, context.region_data, world)
+    if pixel is None:
+        return True
+    origin = view3d_utils.region_2d_to_origin_3d(context.region, context.region_data, pixel)
+    inverse = evaluated.matrix_world.inverted_safe()
+    start, end = inverse @ origin, Vector(place)
+    way = end - start
+    if way.length == 0:
+        return False
+    slack = 4 * analysis_drawing.LIFT * max(evaluated.dimensions) / max(max(evaluated.matrix_world.to_scale()), 1e-9)
+    return bool(evaluated.ray_cast(start, way.normalized(), distance=max(way.length - slack, 1e-6))[0])
+
+
+class STORMFIELD_GT_entities(bpy.types.Gizmo):
+    bl_idname = "STORMFIELD_GT_entities"
+    __slots__ = ("hit",)
+
+    def draw(self, _context):
+        """Nothing: the overlay draws the entities."""
+
+    def test_select(self, context, location):
+        obj = active_field(context)
+        if obj is None or obj.mode == "EDIT":
+            return -1
+        evaluated = obj.evaluated_get(context.view_layer.depsgraph)
+        self.hit = entity_at(context, obj, evaluated, location)
+        return -1 if self.hit is None else 0
+
+    def invoke(self, context, _event):
+        hit = getattr(self, "hit", None)
+        if hit is None:
+            return {"PASS_THROUGH"}
+        bpy.ops.stormfield.select_entity("INVOKE_DEFAULT", which=hit[0], index=hit[1])
+        return {"FINISHED"}
+
+    def modal(self, _context, _event, _tweak):
+        return {"FINISHED"}
+
+
+class STORMFIELD_GGT_entities(bpy.types.GizmoGroup):
+    bl_idname = "STORMFIELD_GGT_entities"
+    bl_label = "Stormfield Entities"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "WINDOW"
+    bl_options = {"3D", "PERSISTENT"}
+
+    @classmethod
+    def poll(cls, context):
+        obj = active_field(context)
+        if obj is None or not obj.stormfield.look.show_overlay or not context.space_data.overlay.show_overlays:
+            return False
+        analysis = obj.stormfield.analysis
+        return analysis.show and (analysis.ecg.made or analysis.history.made or analysis.mcg.made)
+
+    def setup(self, _context):
+        gizmo = self.gizmos.new(STORMFIELD_GT_entities.bl_idname)
+        gizmo.use_draw_modal = False
+        gizmo.use_tooltip = False
+
+
+CLASSES = (STORMFIELD_GT_entities, STORMFIELD_GGT_entities)

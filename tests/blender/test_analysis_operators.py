@@ -1,0 +1,207 @@
+"""Analyses as an artist starts them: from a field on the mesh, from a solved cache; and what they report."""
+
+import bpy
+import numpy as np
+import pytest
+
+pytest.importorskip("igraph", reason="igraph is not installed")
+
+
+@pytest.fixture(autouse=True)
+def native():
+    from stormfield import native
+
+    try:
+        native.check()
+    except ImportError as fault:
+        pytest.skip(str(fault))
+    return native
+
+
+@pytest.fixture
+def put():
+    """Vectors on a mesh, as if a cache had put them there."""
+
+    def work(obj, values):
+        attribute = obj.data.attributes.get("sf_advection")
+        attribute = attribute or obj.data.attributes.new("sf_advection", "FLOAT_VECTOR", "POINT")
+        attribute.data.foreach_set("vector", np.asarray(values, np.float32).ravel())
+        obj.data.update_tag()
+
+    return work
+
+
+def vertices(obj):
+    return np.array([vertex.co for vertex in obj.data.vertices], np.float64)
+
+
+@pytest.fixture
+def dipole(ball, put):
+    """A source at the south pole, a sink at the north pole: flow along the meridians, turning a little."""
+    places = vertices(ball)
+    up = np.array([0.0, 0.0, 1.0])
+    put(ball, up - places * places[:, 2:] + 0.5 * np.cross(up, places))
+    return ball
+
+
+@pytest.fixture
+def rings(ball, put):
+    """The equator attracts, both poles repel: one attracting orbit between two sources."""
+    places = vertices(ball)
+    up = np.array([0.0, 0.0, 1.0])
+    put(ball, np.cross(up, places) - places[:, 2:] * (up - places * places[:, 2:]))
+    return ball
+
+
+def test_analyze_at_this_frame(native, dipole):
+    if not hasattr(native.load(), "start_topology"):
+        pytest.skip("the core has no start_topology yet")
+    assert bpy.ops.stormfield.analyze() == {"FINISHED"}
+    analysis = dipole.stormfield.analysis
+    assert sorted(item.kind for item in analysis.ecg.items) == ["sink", "source"]
+    source = next(item for item in analysis.ecg.items if item.kind == "source")
+    assert source.position[2] == pytest.approx(-1.0, abs=0.02)
+    links = [(link.from_node.kind, link.to_node.kind) for link in analysis.ecg_tree.links]
+    assert links == [("source", "sink")]
+
+
+def test_a_periodic_orbit_is_a_closed_curve(native, rings):
+    if not hasattr(native.load(), "start_topology"):
+        pytest.skip("the core has no start_topology yet")
+    bpy.ops.stormfield.analyze()
+    kinds = sorted(item.kind for item in rings.stormfield.analysis.ecg.items)
+    assert kinds == ["attracting", "source", "source"]
+    orbit = bpy.data.objects["Ball Periodic Orbits"].data
+    assert orbit.attributes["cyclic"].data[0].value
+    assert max(abs(point.position[2]) for point in orbit.points) < 0.03
+
+
+def test_undo_brings_the_earlier_analysis_back(native, dipole, put):
+    if not hasattr(native.load(), "start_topology"):
+        pytest.skip("the core has no start_topology yet")
+    bpy.ops.stormfield.analyze()
+    bpy.ops.ed.undo_push(message="one")
+    places = vertices(dipole)
+    put(dipole, np.cross([0, 0, 1.0], places) - places[:, 2:] * ([0, 0, 1.0] - places * places[:, 2:]))
+    bpy.ops.stormfield.analyze()
+    bpy.ops.ed.undo_push(message="two")
+    assert len(bpy.data.objects["Ball"].stormfield.analysis.ecg.items) == 3
+    bpy.ops.ed.undo()
+    analysis = bpy.data.objects["Ball"].stormfield.analysis
+    assert len(analysis.ecg.items) == 2 and len(analysis.ecg_tree.nodes) == 2
+
+
+def test_nothing_to_analyze_says_so(ball):
+    for operator in (bpy.ops.stormfield.analyze, bpy.ops.stormfield.morse_sets, bpy.ops.stormfield.analyze_lambda):
+        with pytest.raises(RuntimeError, match="Solve first"):
+            operator()
+    with pytest.raises(RuntimeError, match="Nothing was analyzed"):
+        bpy.ops.stormfield.forget_analysis()
+
+
+def test_a_field_that_is_not_finite_names_the_vertex(dipole, put):
+    values = vertices(dipole)
+    values[7] = np.nan
+    put(dipole, values)
+    with pytest.raises(RuntimeError, match="vertex 7"):
+        bpy.ops.stormfield.morse_sets()
+
+
+def test_a_field_of_zeros(dipole, put):
+    put(dipole, 0 * vertices(dipole))
+    with pytest.raises(RuntimeError, match="zero everywhere"):
+        bpy.ops.stormfield.morse_sets()
+
+
+@pytest.mark.parametrize("method", ["geometry", "tau", "spatial"])
+def test_morse_sets(dipole, method):
+    dipole.stormfield.morse.method = method
+    assert bpy.ops.stormfield.morse_sets() == {"FINISHED"}
+    analysis = dipole.stormfield.analysis
+    assert {item.kind for item in analysis.mcg.items} >= {"sink", "source"}
+    assert analysis.shown == "mcg" and len(analysis.mcg_tree.nodes) == len(analysis.mcg.items)
+    sets = np.array([face.value for face in dipole.data.attributes["sf_morse"].data])
+    counted = [int((sets == i).sum()) for i in range(len(analysis.mcg.items))]
+    assert counted == [item.faces for item in analysis.mcg.items]
+    north = np.array([polygon.center[2] > 0.95 for polygon in dipole.data.polygons])
+    sink = next(i for i, item in enumerate(analysis.mcg.items) if item.kind == "sink")
+    assert (sets[north] == sink).any() and not (sets[~north] == sink).all()
+
+
+def test_morse_sets_again_replace_the_first(dipole):
+    bpy.ops.stormfield.morse_sets()
+    names = [obj.name for obj in bpy.data.objects], bpy.data.node_groups.keys()
+    dipole.stormfield.morse.method = "geometry"
+    bpy.ops.stormfield.morse_sets()
+    assert ([obj.name for obj in bpy.data.objects], bpy.data.node_groups.keys()) == names
+    assert len([a for a in dipole.data.attributes if a.name.startswith("sf_morse")]) == 1
+
+
+def test_the_slider_simplifies_by_persistence(rings):
+    morse = rings.stormfield.morse
+    morse.method = "geometry"
+    bpy.ops.stormfield.morse_sets()
+    items = rings.stormfield.analysis.mcg.items
+    before = len(items)
+    assert before >= 3
+    morse.simplify = 100.0
+    assert len(items) < before
+    morse.simplify = 0.0
+    assert len(items) == before
+
+
+def test_the_preview_writes_nothing(dipole):
+    from stormfield.operators import morse_preview
+
+    dipole.stormfield.morse.live = True
+    preview = morse_preview.of(dipole)
+    assert preview is not None and {"sink", "source"} <= set(preview.kinds)
+    assert "sf_morse" not in dipole.data.attributes and not dipole.stormfield.analysis.mcg.made
+    dipole.stormfield.morse.live = False
+    assert morse_preview.of(dipole) is None
+
+
+def test_analyze_over_lambda(storms):
+    if not bpy.app.build_options.usd:
+        pytest.skip("this Blender has no USD")
+    storms.stormfield.solve.even_speed = 0.0
+    bpy.ops.stormfield.solve()
+    assert bpy.ops.stormfield.analyze_lambda() == {"FINISHED"}
+    history = storms.stormfield.analysis.history
+    paths = [item for item in history.items if item.lam_end > item.lam_start]
+    whole = [item for item in paths if item.life > 0.99]
+    assert len(whole) >= 2 and storms.stormfield.analysis.shown == "history"
+    assert all(0.0 <= item.lam_start <= item.lam_end <= 1.0 for item in paths)
+
+
+def test_going_to_a_bifurcation_goes_to_its_frame(ball, scene):
+    from stormfield.analysis.tracking import Bifurcation, Tracking
+    from stormfield.convert import analysis_objects
+
+    scene.frame_start, scene.frame_end = 1, 101
+    bpy.ops.stormfield.key_lambda()
+    event = Bifurcation(0, 0.42, np.array([1.0, 0, 0]), "annihilation", "sink", ())
+    analysis_objects.show_tracking(scene, ball, Tracking((), (event,)), "sf_advection")
+    with pytest.raises(RuntimeError, match="Select an entity"):
+        ball.stormfield.analysis.shown = "history"
+        bpy.ops.stormfield.go_to_entity()
+    assert bpy.ops.stormfield.select_entity(which="history", index=0) == {"FINISHED"}
+    bpy.ops.stormfield.go_to_entity()
+    assert scene.frame_current == 43
+
+
+def test_the_overlay_gets_lines_marks_and_faces(rings):
+    from stormfield.ui import analysis_drawing, analysis_overlay
+
+    bpy.ops.stormfield.morse_sets()
+    evaluated = rings.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    drawing = analysis_drawing.drawing_of(evaluated)
+    assert drawing is analysis_drawing.drawing_of(evaluated)  # kept
+    faces = drawing.faces
+    assert len(faces.corners) == len(faces.colours) and len(faces.corners) % 3 == 0
+    assert len(faces.border) == len(faces.border_sets) > 0
+    assert len(drawing.marks) == len(rings.stormfield.analysis.mcg.items)
+    assert any(block.title.startswith("Morse sets") for block in analysis_overlay.legend_blocks(rings))
+    rings.stormfield.analysis.mcg.kinds = {"ATTRACTING"}
+    fewer = analysis_drawing.drawing_of(evaluated)
+    assert fewer is not drawing and 0 < len(fewer.faces.corners) < len(faces.corners)
