@@ -76,6 +76,7 @@ def morse_json(decomposition: Any, graph: EntityGraph) -> dict[str, Any]:
     """morse_sets, edges and map_edges of `stormfield morse` (DESIGN 5)."""
     return {
         "method": str(decomposition.method),
+        "tau": _number(decomposition.tau),
         "eps": float(decomposition.eps),
         "upper_bound": bool(decomposition.upper_bound),
         "map_edges": int(decomposition.map_edges),
