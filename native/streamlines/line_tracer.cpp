@@ -13,7 +13,7 @@ namespace {
 /// A line is given room to come back onto its first part, so many distances long.
 constexpr double kBeginning = 1.5;
 /// It is closed where it comes back so near (parts of the distance, and of its own length), else it is a spiral.
-constexpr double kClosingGap = 0.15, kClosingSlope = 0.03;
+constexpr double kClosingGap = 0.05, kClosingSlope = 0.005;
 /// Shortest last piece before an obstacle, in steps.
 constexpr double kLastPiece = 0.2;
 /// Cosine between the normals of two faces from which on a line keeps the point where it crosses their edge.
@@ -95,7 +95,11 @@ void LineTracer::extend(Side& side, const Progress* progress) {
     const std::size_t before = side.points.size();
     const bool goesOn = step(side, length);
     if (side.points.size() == before) return end(approach != 0 ? approach : before);
-    if (forward && closes(side, before)) return join(side);
+    if (const std::optional<double> miss = forward ? comesBack(side, before) : std::nullopt) {
+      const double closing = std::min(kClosingGap * rules_.distance, kClosingSlope * side.arc.back());
+      if (std::abs(*miss) <= closing) return join(side);
+      return end(pointsBefore(side));  // a spiral: its next turn would be too near
+    }
 
     const double arc = side.sign() * side.arc.back(), beginning = kBeginning * rules_.distance;
     const auto own = [&](const LineSample& s) { return s.line == number_; };
@@ -163,41 +167,44 @@ void LineTracer::cutBack(Side& side, std::size_t count) {
   }
 }
 
-/// Whether one of the pieces that end at the points from this one on passes the seed in the direction of its flow.
-bool LineTracer::closes(const Side& side, std::size_t from) const {
-  if (side.arc.back() < 3.0 * rules_.step) return false;
+/// How far to the left of the seed one of the pieces that end at the points from this one on passes it, in the
+/// direction of its flow; nothing where none does within the test distance.
+std::optional<double> LineTracer::comesBack(const Side& side, std::size_t from) const {
+  if (side.arc.back() < 3.0 * rules_.step) return std::nullopt;
   const TriangleMesh& mesh = faces_.mesh();
-  const Vec3& start = seed_.position;
   const Vec3 normal = mesh.faceNormal(seed_.point.face);
-  const double gap = std::min(kClosingGap * rules_.distance, kClosingSlope * side.arc.back());
   for (std::size_t i = from; i < side.points.size(); ++i) {
-    const Vec3 &a = side.points[i - 1].position, &b = side.points[i].position;
-    const double before = (a - start).dot(seedDirection_), after = (b - start).dot(seedDirection_);
+    const Vec3 a = side.points[i - 1].position - seed_.position, b = side.points[i].position - seed_.position;
+    const double before = a.dot(seedDirection_), after = b.dot(seedDirection_);
     if (!(before < 0.0 && after >= 0.0)) continue;
     const Vec3 crossing = a + before / (before - after) * (b - a);
     const bool along = (b - a).dot(seedDirection_) > 0.7 * (b - a).norm();
     const bool sameSide = mesh.faceNormal(side.points[i].point.face).dot(normal) > 0.0;
-    if (along && sameSide && (crossing - start).norm() <= gap) return true;
+    if (along && sameSide && crossing.norm() < rules_.testDistance) {
+      return crossing.dot(normal.cross(seedDirection_));
+    }
   }
-  return false;
+  return std::nullopt;
+}
+
+/// Number of points before the line last passed its seed.
+std::size_t LineTracer::pointsBefore(const Side& side) const {
+  std::size_t count = side.points.size();
+  while ((side.points[count - 1].position - seed_.position).dot(seedDirection_) >= 0.0) --count;
+  return count;
 }
 
 /// Closes a line that has come round: the little that it missed its beginning by is spread over its whole length.
 void LineTracer::join(Side& side) {
-  const Vec3& start = seed_.position;
-  const auto beyond = [&](const Vec3& p) { return (p - start).dot(seedDirection_); };
-  std::size_t last = side.points.size() - 1;
-  while (beyond(side.points[last].position) >= 0.0) --last;
-  const Vec3 a = side.points[last].position, b = side.points[last + 1].position;
-  const Vec3 crossing = a - beyond(a) / (beyond(b) - beyond(a)) * (b - a);
-  const double miss = (start - crossing).dot(faces_.mesh().faceNormal(seed_.point.face).cross(seedDirection_));
-  const double length = side.arc[last] + (crossing - a).norm();
-  if (last > 2 && (start - a).norm() < 0.3 * rules_.step) --last;
-
-  const std::vector<LinePoint> points(side.points.begin(), side.points.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+  const double miss = *comesBack(side, pointsBefore(side));
+  std::size_t count = pointsBefore(side);
+  const double gap = (side.points[count - 1].position - seed_.position).norm();
+  const double length = side.arc[count - 1] + gap;
+  if (count > 3 && gap < 0.3 * rules_.step) --count;
+  const std::vector<LinePoint> points(side.points.begin(), side.points.begin() + static_cast<std::ptrdiff_t>(count));
   const std::vector<double> arc = side.arc;
   cutBack(side, 1);
-  for (std::size_t i = 1; i < points.size(); ++i) append(side, toTheLeft(points[i].point, miss * arc[i] / length));
+  for (std::size_t i = 1; i < count; ++i) append(side, toTheLeft(points[i].point, -miss * arc[i] / length));
   side.closed = true;
 }
 

@@ -2,6 +2,9 @@
 // test distance, at the boundary, at a fixed point; and closes where it comes back onto its beginning.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "base/progress.h"
 #include "field/vector_field.h"
 #include "streamlines/near_lines.h"
@@ -52,7 +55,8 @@ class LineTracer {
   bool step(Side& side, double length);
   void append(Side& side, const SurfacePoint& point);
   void cutBack(Side& side, std::size_t count);
-  bool closes(const Side& side, std::size_t from) const;
+  std::optional<double> comesBack(const Side& side, std::size_t from) const;
+  std::size_t pointsBefore(const Side& side) const;
   void join(Side& side);
   SurfacePoint toTheLeft(const SurfacePoint& p, double distance) const;
 

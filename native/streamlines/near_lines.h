@@ -1,13 +1,19 @@
 // Which lines run near a point of the surface: samples of all lines in a hashed grid.
 //
-// The distance of two points is estimated as if each lay in its face's plane and the planes met halfway: the chord
-// divided by cos(theta / 2), theta the angle between the normals. In a plane and across a crease that is the length of
-// the way along the surface; on a round surface it is longer by a factor below 1 + theta^2 / 12; between the two sides
-// of a sheet it is infinite. Points count as near only where the part of the surface inside the ball around one of them
-// connects them, so that layers, folds and other components never block each other.
+// The distance of two points is estimated as if each lay in its face's plane and the surface were these two planes:
+// with c the chord, n and m the normals,
+//     distance^2 = |c|^2 - 2 (c . n)(c . m) / (1 + n . m),
+// the length of the straight way over the crease where they meet; |c| where they meet on no way between the points. In
+// a plane and over a crease that is exact, on a round surface too long by less than a part theta^2 / 12, theta the
+// angle between the normals. Beyond an angle of 135 degrees, as between the two sides of a sheet, points are not near.
+// Nor are they where no part of the surface inside the ball around one of them connects them: layers, folds and other
+// components never block each other.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -25,10 +31,12 @@ struct LineSample {
 };
 
 /// Estimate of the squared distance along the surface, see above.
-inline double squaredSurfaceDistance(const Vec3& p, const Vec3& normal, const Vec3& q, const Vec3& otherNormal) {
-  constexpr double kOpposed = 1e-3;
-  const double cosine = 1.0 + normal.dot(otherNormal);
-  return (p - q).squaredNorm() * (2.0 / std::max(cosine, kOpposed));
+inline double squaredSurfaceDistance(const Vec3& p, const Vec3& n, const Vec3& q, const Vec3& m) {
+  constexpr double kOpposed = -0.7071;
+  const double cosine = n.dot(m);
+  if (cosine < kOpposed) return std::numeric_limits<double>::infinity();
+  const Vec3 c = q - p;
+  return c.squaredNorm() + std::max(0.0, -2.0 * c.dot(n) * c.dot(m) / (1.0 + cosine));
 }
 
 /// The connected part of the surface around a point, inside a ball. One per thread, used again and again.
