@@ -5,6 +5,7 @@
 WHEEL    wheels of stormfield as `pip wheel` makes them, one per Python and platform; without any they are made here
          for every environment of `make`. Blender unpacks all wheels of an extension into one folder of its own, so
          only the compiled core is taken from them: the Python package is the extension itself.
+Libraries that Blender does not have (LIBRARIES) are bundled beside it as their authors built them.
 The zip is made and checked by Blender's own tool, blender_ext.py, which ships with the bpy wheel and needs no Blender.
 """
 
@@ -23,6 +24,16 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 ADDON = ROOT / "addon"
 CORE = "stormfield_native"
+#: Bundled as they are on PyPI, with what they need: igraph lays graphs out.
+LIBRARIES = ("igraph==1.0.0", "texttable==1.7.0")
+#: Blender's platform → pip's, for the libraries.
+PIP_PLATFORMS = {
+    "linux-x64": "manylinux_2_28_x86_64",
+    "windows-x64": "win_amd64",
+    "windows-arm64": "win_arm64",
+    "macos-x64": "macosx_11_0_x86_64",
+    "macos-arm64": "macosx_11_0_arm64",
+}
 #: Wheel platform tags by their beginning → Blender's platform.
 PLATFORMS = {
     ("manylinux", "x86_64"): "linux-x64",
@@ -68,7 +79,9 @@ def build(wheels: list[Path], output: Path, tool: Path) -> Path:
         source = Path(temporary) / "stormfield"
         shutil.copytree(ADDON, source, ignore=shutil.ignore_patterns("__pycache__"))
         cores = [core_wheel(wheel, source / "wheels") for wheel in wheels]
-        write_manifest(source / "blender_manifest.toml", cores)
+        platforms = sorted({platform_of(wheel) for wheel in cores})
+        libraries = [path for platform in platforms for path in library_wheels(platform, source / "wheels")]
+        write_manifest(source / "blender_manifest.toml", platforms, {*cores, *libraries})
         run(tool, "validate", str(source))
         run(tool, "build", "--source-dir", str(source), "--output-dir", str(output))
         manifest = tomllib.loads((source / "blender_manifest.toml").read_text(encoding="utf-8"))
@@ -100,6 +113,14 @@ def core_wheel(wheel: Path, folder: Path) -> Path:
     return folder / f"{name}.whl"
 
 
+def library_wheels(platform: str, folder: Path) -> list[Path]:
+    """The wheels of LIBRARIES for a platform, unmodified, in `folder`; a pure one serves all platforms."""
+    with tempfile.TemporaryDirectory() as temporary:
+        pip = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:", "-d", temporary]
+        run_quietly([*pip, "--python-version", "3.11", "--platform", PIP_PLATFORMS[platform], *LIBRARIES])
+        return [Path(shutil.copy(wheel, folder)) for wheel in sorted(Path(temporary).glob("*.whl"))]
+
+
 def digest(data: bytes) -> str:
     return base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
 
@@ -112,10 +133,10 @@ def platform_of(wheel: Path) -> str:
     sys.exit(f"{wheel.name}: platform {tag} is unknown to Blender")
 
 
-def write_manifest(path: Path, wheels: list[Path]) -> None:
+def write_manifest(path: Path, platforms: list[str], wheels: set[Path]) -> None:
     """Name wheels and platforms before the first table."""
     lines = [
-        "platforms = [{}]".format(", ".join(f'"{p}"' for p in sorted({platform_of(wheel) for wheel in wheels}))),
+        "platforms = [{}]".format(", ".join(f'"{platform}"' for platform in platforms)),
         "wheels = [{}]".format(", ".join(f'"./wheels/{wheel.name}"' for wheel in sorted(wheels))),
     ]
     head, table, rest = path.read_text(encoding="utf-8").partition("\n[")
@@ -130,7 +151,12 @@ def find_blender_ext() -> Path:
 
 
 def run(tool: Path, *arguments: str) -> None:
-    done = subprocess.run([sys.executable, str(tool), *arguments], capture_output=True, text=True, check=False)
+    run_quietly([sys.executable, str(tool), *arguments])
+
+
+def run_quietly(command: list[str]) -> None:
+    """Run a command and say what it said only when it failed."""
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         sys.exit(done.stdout + done.stderr)
 

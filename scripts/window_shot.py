@@ -4,7 +4,9 @@
 
 Pictures: empty (a mesh without field), solved (strokes, fixed points, legend), arrows, solving (a solve that runs),
 draw (a curve drawn on the
-surface), monkey (several components and boundaries), panels (the lower half of the sidebar).
+surface), monkey (several components and boundaries), panels (the lower half of the sidebar); and of the analysis:
+analyzed (entities, separatrices and the list), graph (the graph editor beside the view, one entity selected),
+paths (fixed points over λ, bifurcations as markers), morse (Morse sets as coloured faces and their graph).
 The compiled core is taken from out/build-*, the add-on from this tree.
 """
 
@@ -18,6 +20,15 @@ from mathutils import Euler, Vector
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = os.environ.get("STORMFIELD_SHOT", "solved")
+ANALYSES = {"analyzed", "graph", "paths", "morse"}
+#: Panels that are open in a picture, where not all of the usual ones fit.
+OPENED = {
+    "panels": {"Field", "Bake", "Shading", "Look"},
+    "analyzed": {"Field", "Analysis"},
+    "graph": {"Field", "Analysis"},
+    "paths": {"Field", "Analysis"},
+    "morse": {"Field", "Analysis", "Morse Sets"},
+}
 SUBDIVISIONS = int(os.environ.get("STORMFIELD_SUBDIVISIONS", "6"))
 
 
@@ -31,12 +42,12 @@ def load_addon():
     sys.path[:0] = [str(packages), *(str(path) for path in ROOT.glob("out/build-*/native/bindings"))]
     import stormfield
 
-    if PICTURE == "panels":
-        from stormfield.ui import panels
+    sys.path.append(str(ROOT / "out" / "igraph"))
+    if PICTURE in OPENED:
+        from stormfield.ui import analysis_panels, morse_panels, panels
 
-        for panel in panels.CLASSES[1:]:
-            opened = panel.bl_label in {"Field", "Bake", "Shading", "Look"}
-            panel.bl_options = set() if opened else {"DEFAULT_CLOSED"}
+        for panel in (*panels.CLASSES[1:], *analysis_panels.CLASSES[:2], *morse_panels.CLASSES):
+            panel.bl_options = set() if panel.bl_label in OPENED[PICTURE] else {"DEFAULT_CLOSED"}
     stormfield.register()
     if not bpy.app.build_options.usd:
         do_without_usd()
@@ -67,6 +78,7 @@ def do_without_usd():
         show(bpy.context.scene)
 
     attach.attach_lambda = remember
+    attach.attached_folder = lambda obj, _name: caches[obj.name].folder if obj.name in caches else None
     bpy.app.handlers.frame_change_post.append(show)
 
 
@@ -136,6 +148,9 @@ def picture():
             bpy.context.object.stormfield.solve.samples = 10
             print("solve", bpy.ops.stormfield.solve("EXEC_DEFAULT"))
         return
+    if PICTURE in {"analyzed", "graph", "morse"}:
+        weather()
+        return
     from stormfield.presets import storm_merge
 
     planet = storm_merge.build(bpy.context, subdivisions=SUBDIVISIONS, frames=96)
@@ -157,6 +172,70 @@ def picture():
             bake.use_exr = bake.use_vdb = PICTURE == "panels"
             print("solve", bpy.ops.stormfield.solve("EXEC_DEFAULT"))
     bpy.context.scene.frame_set(int(os.environ.get("STORMFIELD_FRAME", "30")))
+    if PICTURE == "paths":
+        planet.stormfield.look.opacity = 0.4
+        with bpy.context.temp_override(area=area, region=area.regions[-1]):
+            print("over λ", bpy.ops.stormfield.analyze_lambda("EXEC_DEFAULT"))
+        history = planet.stormfield.analysis.history
+        history.min_life = 0.02
+        history.active = max(range(len(history.items)), key=lambda i: history.items[i].kind == "annihilation")
+
+
+#: Fixed points of a small world with weather: direction from its centre, and kind.
+WEATHER = (
+    ((0.2, -1.0, 0.55), "spiral_in_ccw"),
+    ((-0.75, -0.8, 0.1), "spiral_out_cw"),
+    ((0.8, -0.7, -0.1), "sink"),
+    ((0.1, -0.95, -0.6), "source"),
+    ((-0.5, -0.4, 0.9), "source"),
+    ((0.9, 0.2, 0.7), "spiral_out_ccw"),
+    ((-0.9, 0.3, -0.5), "sink"),
+    ((0.3, 0.9, 0.4), "spiral_in_cw"),
+    ((-0.3, 0.8, -0.6), "source"),
+    ((0.6, 0.3, -0.9), "sink"),
+)
+
+
+def weather():
+    """A ball with sources, sinks and spirals, analyzed."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=SUBDIVISIONS, radius=1.0)
+    bpy.ops.object.shade_smooth()
+    ball = bpy.context.object
+    ball.name = "Small World"
+    bpy.ops.stormfield.add_field()
+    for place, kind in WEATHER:
+        bpy.context.scene.cursor.location = Vector(place).normalized()
+        bpy.ops.stormfield.place_element("EXEC_DEFAULT", kind=kind)
+    bpy.context.scene.cursor.location = (0, 0, 0)
+    for element in ball.stormfield.elements:
+        element.source.hide_set(True)
+    ball.stormfield.solve.samples = 3
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    camera.rotation_euler = (1.35, 0.0, 0.0)
+    camera.hide_set(True)
+    set_up_view(ball)
+    look, analysis = ball.stormfield.look, ball.stormfield.analysis
+    look.opacity = 0.45
+    area = view_area()
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(area=area, region=region):
+        print("solve", bpy.ops.stormfield.solve("EXEC_DEFAULT"))
+        print("analyze", bpy.ops.stormfield.analyze("EXEC_DEFAULT"))
+        if PICTURE == "morse":
+            look.style = "STROKES"
+            print("morse", bpy.ops.stormfield.morse_sets("EXEC_DEFAULT"))
+            analysis.show_separatrices = False
+        if PICTURE in {"graph", "morse"}:
+            print("graph", bpy.ops.stormfield.show_graph("EXEC_DEFAULT"))
+            area.spaces.active.region_3d.view_distance = 4.1
+    analysis.show_names = PICTURE == "graph"
+    chosen = analysis.list(analysis.shown)
+    towards = area.spaces.active.region_3d.view_rotation @ Vector((0.0, 0.2, 1.0))
+    saddles = [i for i, item in enumerate(chosen.items) if item.kind == "saddle"]
+    if saddles and PICTURE != "analyzed":
+        chosen.active = max(saddles, key=lambda i: towards.dot(Vector(chosen.items[i].position)))
 
 
 def guarded():

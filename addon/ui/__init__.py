@@ -12,6 +12,7 @@ CLASSES = (
     *analysis_panels.CLASSES,
     *morse_panels.CLASSES,
     *panels.CLASSES[4:],
+    *analysis_panels.LATER,
     *pick.CLASSES,
 )
 

@@ -64,6 +64,29 @@ class STORMFIELD_PT_curves(FieldPanel, bpy.types.Panel):
                 column.operator(f"stormfield.{name}", icon=icon)
 
 
+class STORMFIELD_PT_look_analysis(FieldPanel, bpy.types.Panel):
+    bl_idname = "STORMFIELD_PT_look_analysis"
+    bl_parent_id = "STORMFIELD_PT_look"
+    bl_label = "Analysis"
+
+    def draw_header(self, context):
+        self.layout.prop(active_field(context).stormfield.analysis, "show", text="")
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        field = active_field(context).stormfield
+        analysis = field.analysis
+        layout.active = analysis.show and field.look.show_overlay
+        column = layout.column(heading="Draw")
+        for name in ("show_separatrices", "show_orbits", "show_paths", "show_sets", "show_names"):
+            column.prop(analysis, name)
+        column = layout.column()
+        column.prop(analysis, "width")
+        column.prop(analysis, "opacity", slider=True)
+
+
 #: Operators that make curves for hair and curve shading.
 CURVES = (("streamlines", "OUTLINER_OB_CURVES"), ("pathlines", "TRACKING"))
 
@@ -167,3 +190,5 @@ def _frame_all() -> None:
 
 
 CLASSES = (STORMFIELD_PT_analysis, STORMFIELD_PT_curves, STORMFIELD_OT_show_graph)
+#: Inside the Look panel, which must be there first.
+LATER = (STORMFIELD_PT_look_analysis,)

@@ -43,10 +43,11 @@ def extension(wheel, tmp_path_factory):
     return output / "stormfield-0.1.0.zip"
 
 
-def test_the_zip_holds_the_addon_and_only_the_core_as_wheel(extension):
+def test_the_zip_holds_the_addon_and_as_wheels_the_core_and_libraries(extension):
     names = zipfile.ZipFile(extension).namelist()
     assert {"blender_manifest.toml", "__init__.py", "operators/solve.py", "model/design.schema.json"} <= set(names)
-    assert next(name for name in names if name.endswith(".whl")).startswith("wheels/stormfield_native-0.1.0-cp")
+    wheels = sorted(name.split("-")[0] for name in names if name.endswith(".whl"))
+    assert wheels == ["wheels/igraph", "wheels/stormfield_native", "wheels/texttable"]
     assert not [name for name in names if "__pycache__" in name or name.startswith(("cli/", "readers/"))]
 
 
@@ -86,6 +87,9 @@ def test_it_installs_works_and_writes_nothing_into_itself(extension, tmp_path):
         assert bpy.ops.stormfield.solve() == {{"FINISHED"}}
         assert "sf_advection" in bpy.context.object.evaluated_get(
             bpy.context.evaluated_depsgraph_get()).data.attributes
+        assert bpy.ops.stormfield.morse_sets() == {{"FINISHED"}}
+        assert len(bpy.context.object.stormfield.analysis.mcg_tree.nodes) > 1
+        assert list(pathlib.Path({str(tmp_path)!r}).glob("**/site-packages/igraph")), "igraph was not unpacked"
         scene = bpy.context.scene
         scene.frame_end = 2
         assert bpy.ops.stormfield.bake() == {{"FINISHED"}}
