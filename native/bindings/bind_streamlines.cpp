@@ -4,7 +4,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/job.h"
-#include "streamlines/evenly_spaced.h"
+#include "streamlines/topology_features.h"
 
 namespace stormfield::bindings {
 namespace {
@@ -22,17 +22,29 @@ GivenCurve givenCurve(const TriangleMesh& mesh, const py::handle& item) {
   return {inputSurfacePoints(mesh, parts[0], parts[1]), parts[2].cast<bool>(), parts[3].cast<bool>()};
 }
 
-std::shared_ptr<StreamlinesJob> start(const FieldHandle& field, double distance, const py::iterable& curves,
-                                      bool fixedPoints, double minimalSpeed) {
-  StreamlineFeatures features;
-  for (const py::handle curve : curves) features.curves.push_back(givenCurve(field.mesh->mesh(), curve));
+/// Part of the progress that the topology is taken for.
+constexpr double kTopology = 0.4;
+
+std::shared_ptr<StreamlinesJob> start(const FieldHandle& field, double distance, bool topology,
+                                      const py::iterable& curves, double minimalSpeed) {
+  std::vector<GivenCurve> given;
+  for (const py::handle curve : curves) given.push_back(givenCurve(field.mesh->mesh(), curve));
   const EvenSpacing spacing{distance, minimalSpeed};
   return std::make_shared<StreamlinesJob>(
-      [mesh = field.mesh, values = field.field, features = std::move(features), spacing, fixedPoints](Progress& p) {
-        StreamlineFeatures all = features;
-        if (fixedPoints) all.fixedPoints = findFixedPoints(values);
+      [mesh = field.mesh, values = field.field, given = std::move(given), spacing, topology](Progress& progress) {
+        const FlatFaces& faces = *mesh->flatFaces();
+        checkSpacing(mesh->mesh(), spacing);
+        StreamlineFeatures features;
+        if (topology) {
+          progress.range(0.0, kTopology);
+          features = featuresOf(findTopology(faces, values, {}, &progress));
+          progress.range(kTopology, 1.0);
+        } else {
+          features.fixedPoints = findFixedPoints(values);
+        }
+        features.curves.insert(features.curves.begin(), given.begin(), given.end());
         return std::make_shared<const EvenStreamlinesHandle>(
-            EvenStreamlinesHandle{mesh, placeStreamlines(*mesh->flatFaces(), values, spacing, all, &p)});
+            EvenStreamlinesHandle{mesh, placeStreamlines(faces, values, spacing, features, &progress)});
       });
 }
 
@@ -114,13 +126,15 @@ void bind_streamlines(py::module_& m) {
                           });
   m.def(
       "start_evenly_spaced_streamlines", &start, py::arg("field"), py::arg("distance"), py::kw_only(),
-      py::arg("curves") = py::tuple(), py::arg("fixed_points") = true,
+      py::arg("topology") = true, py::arg("curves") = py::tuple(),
       py::arg("minimal_speed") = EvenSpacing{}.minimalSpeed,
       "Evenly spaced streamlines of a VectorField, topology first (thesis 3.4) -> StreamlinesJob.\n\n"
-      "distance: between lines, mesh units. curves: known streamlines that the others leave room, each (faces (k,)\n"
-      "int32, barycentric (k, 3) float64, closed, against_flow), from the end that stays; orbits before separatrices.\n"
-      "fixed_points: whether lines begin around them. minimal_speed: part of the fastest vertex's speed that counts\n"
-      "as standing still. The same result for any number of threads. Raises InputError and Cancelled.");
+      "distance: between lines, mesh units. topology: whether the field's periodic orbits and separatrices are found\n"
+      "and drawn first; given is then their number after the curves: orbits, then separatrices. Without, lines begin\n"
+      "around fixed points. curves: more known streamlines that the others leave room, each (faces (k,) int32,\n"
+      "barycentric (k, 3) float64, closed, against_flow), from the end that stays. minimal_speed: part of the fastest\n"
+      "vertex's speed that counts as standing still. The same result for any number of threads.\n"
+      "result() raises InputError and Cancelled.");
 }
 
 }  // namespace stormfield::bindings

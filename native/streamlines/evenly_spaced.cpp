@@ -34,18 +34,10 @@ double fastestVertex(const VectorField& field) {
   return speed;
 }
 
-void check(const FlatFaces& faces, const VectorField& field, const EvenSpacing& spacing,
-           const StreamlineFeatures& features) {
+void check(const FlatFaces& faces, const VectorField& field, const StreamlineFeatures& features) {
   const TriangleMesh& mesh = faces.mesh();
   if (field.values.size() != static_cast<std::size_t>(mesh.vertexCount())) {
     throw InputError("the field of the streamlines belongs to another mesh");
-  }
-  if (!(spacing.distance >= kSmallestDistance * mesh.size()) || !std::isfinite(spacing.distance)) {
-    throw InputError(message("the distance between streamlines is ", spacing.distance, "; give at least ",
-                             kSmallestDistance * mesh.size(), ", a 2000th of the size of the surface"));
-  }
-  if (!(spacing.minimalSpeed >= 0.0) || !std::isfinite(spacing.minimalSpeed)) {
-    throw InputError(message("minimal speed is ", spacing.minimalSpeed, "; give a number of 0 or more"));
   }
   for (std::size_t i = 0; i < features.curves.size(); ++i) {
     if (features.curves[i].points.empty()) throw InputError(message("given curve ", i, " has no points; leave it out"));
@@ -57,6 +49,11 @@ LineRules makeRules(const TriangleMesh& mesh, const EvenSpacing& spacing) {
   const double step = std::min(kStep * spacing.distance, kStepInEdges * mesh.meanEdgeLength());
   const double most = 20.0 * mesh.totalArea() / (spacing.distance * step) + 1000.0;
   return {spacing.distance, kTest * spacing.distance, step, spacing.minimalSpeed, static_cast<std::size_t>(most)};
+}
+
+/// Takes the last points away that are nearer to the place than this.
+void endBefore(std::vector<LinePoint>& points, const Vec3& place, double distance) {
+  while (points.size() > 1 && (points.back().position - place).norm() < distance) points.pop_back();
 }
 
 /// The steps of the method, in their order.
@@ -138,6 +135,7 @@ void Placement::placeGiven(const std::vector<GivenCurve>& curves) {
       if (progress_ != nullptr) progress_->check();
       Line line;
       line.points = evenPoints(faces_.mesh(), curves[i], rules_.step);
+      if (curves[i].leadsToPoint) endBefore(line.points, line.points.back().position, kRing * d_);
       line.given = static_cast<Index>(i);
       line.closed = closed;
       line.fullStart = true;
@@ -247,9 +245,20 @@ EvenStreamlines Placement::result() const {
 
 }  // namespace
 
+void checkSpacing(const TriangleMesh& mesh, const EvenSpacing& spacing) {
+  if (!(spacing.distance >= kSmallestDistance * mesh.size()) || !std::isfinite(spacing.distance)) {
+    throw InputError(message("the distance between streamlines is ", spacing.distance, "; give at least ",
+                             kSmallestDistance * mesh.size(), ", a 2000th of the size of the surface"));
+  }
+  if (!(spacing.minimalSpeed >= 0.0) || !std::isfinite(spacing.minimalSpeed)) {
+    throw InputError(message("minimal speed is ", spacing.minimalSpeed, "; give a number of 0 or more"));
+  }
+}
+
 EvenStreamlines placeStreamlines(const FlatFaces& faces, const VectorField& field, const EvenSpacing& spacing,
                                  const StreamlineFeatures& features, Progress* progress) {
-  check(faces, field, spacing, features);
+  check(faces, field, features);
+  checkSpacing(faces.mesh(), spacing);
   Placement placement(faces, field, spacing, progress);
   placement.placeGiven(features.curves);
   placement.beginAtFixedPoints(features.fixedPoints);

@@ -22,6 +22,7 @@ struct GivenCurve {
   std::vector<SurfacePoint> points;  ///< from the end that must stay; a closed one may repeat its first point
   bool closed = false;               ///< closed curves stay whole, others end where they come near another line
   bool againstFlow = false;          ///< the points run against the flow
+  bool leadsToPoint = false;         ///< it leads to a source or sink, and ends before the star of lines around it
 };
 
 struct StreamlineFeatures {
@@ -34,7 +35,7 @@ struct EvenSpacing {
   double minimalSpeed = 1e-6;  ///< part of the fastest vertex's speed that counts as standing still
 };
 
-/// Line i has the points offsets[i] to offsets[i + 1], in the direction of the flow, at most d / 4 apart.
+/// Line i has the points offsets[i] to offsets[i + 1], in the direction of the flow, hardly more than d / 4 apart.
 struct EvenStreamlines {
   std::vector<std::size_t> offsets{0};
   std::vector<SurfacePoint> points;
@@ -50,6 +51,9 @@ struct EvenStreamlines {
   /// touches.
   std::vector<SurfacePoint> gaps;
 };
+
+/// Throws InputError for a distance or speed without meaning.
+void checkSpacing(const TriangleMesh& mesh, const EvenSpacing& spacing);
 
 /// Throws InputError for a field of another mesh, a distance without meaning and points that are not on the mesh;
 /// Cancelled.

@@ -1,0 +1,17 @@
+#include "streamlines/topology_features.h"
+
+namespace stormfield {
+
+StreamlineFeatures featuresOf(const Topology& topology) {
+  StreamlineFeatures features;
+  for (const PeriodicOrbit& orbit : topology.periodicOrbits) features.curves.push_back({orbit.points, true});
+  for (const Separatrix& separatrix : topology.separatrices) {
+    const bool toPoint = separatrix.end.kind == EntityKind::FixedPoint &&
+                         topology.fixedPoints[separatrix.end.index].kind != FixedPointKind::Saddle;
+    features.curves.push_back({separatrix.points, false, !separatrix.outgoing, toPoint});
+  }
+  features.fixedPoints = topology.fixedPoints;
+  return features;
+}
+
+}  // namespace stormfield
