@@ -14,7 +14,7 @@ from ..analysis.layout import layout
 
 TREE, NODE = "StormfieldGraph", "StormfieldEntity"
 #: Width of a node, distance of neighbours, and of rows: at least, and as a part of the graph's width.
-WIDTH, STEP = 52.0, 68.0
+WIDTH, STEP = 70.0, 88.0
 ROW, SLANT = 120.0, 0.12
 
 

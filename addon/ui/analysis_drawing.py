@@ -51,6 +51,24 @@ class Mark:
 
 
 @dataclass
+class Way:
+    """A path over λ, to know where its fixed point is now."""
+
+    index: int
+    name: str
+    kind: str
+    lam: np.ndarray  #: (k,) increasing
+    points: np.ndarray  #: (k, 3) lifted
+
+    def mark(self, lam: float) -> Mark | None:
+        """The fixed point at λ; None outside its life."""
+        if not self.lam[0] <= lam <= self.lam[-1]:
+            return None
+        place = np.array([np.interp(lam, self.lam, self.points[:, axis]) for axis in range(3)])
+        return Mark("history", self.index, self.kind, self.name, place, np.zeros(3))
+
+
+@dataclass
 class Faces:
     """Faces of the Morse sets, and the borders between sets."""
 
@@ -67,6 +85,7 @@ class AnalysisDrawing:
     lines: dict[str, Lines] = field(default_factory=dict)
     marks: list[Mark] = field(default_factory=list)  #: of events and sets; fixed points are marked by the field itself
     entities: list[Mark] = field(default_factory=list)  #: of the graph at its λ
+    paths: list["Way"] = field(default_factory=list)
     faces: Faces | None = None
 
 
@@ -120,6 +139,7 @@ def _make(evaluated, surface: Surface, mesh) -> AnalysisDrawing:
         lines = _lines(obj, role, names, shown[which], surface, mesh)
         if lines is not None:
             drawing.lines[role] = lines
+    drawing.paths = _ways(obj, analysis.history, shown["history"], surface, mesh)
     drawing.entities = _marks("ecg", analysis.ecg, shown["ecg"], surface, mesh)
     events = [i for i in np.flatnonzero(shown["history"]) if analysis.history.items[i].kind in objects.EVENT_KINDS]
     drawing.marks = _marks("history", analysis.history, _only(shown["history"], events), surface, mesh)
@@ -157,6 +177,22 @@ def _lines(obj, role: str, names, shown: np.ndarray, surface: Surface, mesh) -> 
     if not ends:
         return None
     return Lines(role, np.concatenate(ends), np.concatenate(tints), np.concatenate(whose))
+
+
+def _ways(obj, entities, shown: np.ndarray, surface: Surface, mesh) -> list[Way]:
+    curves = objects.read_curves(obj, objects.PATHS)
+    if not curves or not len(shown):
+        return []
+    cuts = np.cumsum([len(curve) for curve in curves])[:-1]
+    lam = np.split(objects.read_attribute(obj, objects.PATHS, "lam"), cuts)
+    lifted = np.split(lift(np.concatenate(curves), surface, mesh)[0], cuts)
+    owners = objects.read_attribute(obj, objects.PATHS, "entity").tolist()
+    items = entities.items
+    return [
+        Way(index, items[index].name, items[index].kind, times, points)
+        for index, times, points in zip(owners, lam, lifted, strict=True)
+        if shown[index]
+    ]
 
 
 def _marks(which: str, entities, shown: np.ndarray, surface: Surface, mesh) -> list[Mark]:

@@ -120,9 +120,11 @@ def visible_marks(obj: bpy.types.Object, drawing) -> list:
     """What can be clicked on now."""
     analysis = obj.stormfield.analysis
     marks = [mark for mark in drawing.marks if mark.which == "history" and analysis.show_paths]
+    if analysis.shown == "history" and analysis.show_paths:
+        marks += [mark for way in drawing.paths if (mark := way.mark(obj.stormfield.lam)) is not None]
     if analysis.show_sets and analysis.shown == "mcg":
         marks += [mark for mark in drawing.marks if mark.which == "mcg"]
-    if analysis_drawing.is_current(obj, analysis.ecg) and analysis.shown != "mcg":
+    if analysis_drawing.is_current(obj, analysis.ecg) and analysis.shown == "ecg":
         marks += drawing.entities
     return marks
 
@@ -135,7 +137,7 @@ def _marks(obj, drawing) -> list[Marker]:
         opacity, size = 1.0, 1.0
         if mark.lam is not None:
             opacity, size = 0.35 + 0.65 * np.exp(-(((mark.lam - obj.stormfield.lam) / 0.04) ** 2)), 0.85
-        if mark.which != "ecg":
+        if mark.lam is not None or mark.which == "mcg":
             shown.append(Marker(mark.kind, mark.position, size, opacity))
         elif mark.kind in {"repelling", "attracting"}:
             shown.append(Marker(mark.kind, mark.position, 0.8))
@@ -164,7 +166,7 @@ def draw_names(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy
     eye = to_object[:3, :3] @ eye[:3, 3] + to_object[:3, 3]
     places = marker_drawing.on_screen(context, evaluated.matrix_world, np.array([mark.position for mark in named]))
     for mark, (x, y) in zip(named, places, strict=True):
-        if np.isfinite(x) and float(mark.normal @ (eye - mark.position)) > 0:
+        if np.isfinite(x) and float(mark.normal @ (eye - mark.position)) >= 0:
             _write(mark.name, x + 13 * unit, y + 5 * unit, unit)
 
 

@@ -161,32 +161,40 @@ def _take_over(name: str, which: str) -> None:
     bpy.app.timers.register(later, first_interval=0.0)
 
 
+_kept: dict[str, tuple] = {}  # per tree: what its links were drawn from, and their batch
+
+
 def draw_links(context: bpy.types.Context, tree: bpy.types.NodeTree) -> None:
     to_view, unit = context.region.view2d, context.preferences.system.ui_scale
-    lines, colours = link_lines(tree, unit)
-    if not len(lines):
-        return
-    corner, along = (np.array(to_view.view_to_region(*xy, clip=False)) for xy in ((0.0, 0.0), (1e4, 1e4)))
-    positions = corner + lines.reshape(-1, 2) * (along - corner) / 1e4
+    active = tree.nodes.active
+    places = np.empty(2 * len(tree.nodes), np.float32)
+    tree.nodes.foreach_get("location", places)
+    selected = active.name if active is not None and active.select else ""
+    key = (places.tobytes(), selected, len(tree.routes), tree.owner and tree.owner.stormfield.analysis.version)
     shader = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
-    batch = batch_for_shader(
-        shader,
-        "LINES",
-        {
-            "pos": np.c_[positions, np.zeros(len(positions))].astype(np.float32),
-            "color": colours.reshape(-1, 4).astype(np.float32),
-        },
-    )
+    if _kept.get(tree.name, (None,))[0] != key:
+        lines, colours = link_lines(tree)
+        positions = np.c_[lines.reshape(-1, 2), np.zeros(2 * len(lines))].astype(np.float32)
+        colours = colours.reshape(-1, 4).astype(np.float32)
+        batch = batch_for_shader(shader, "LINES", {"pos": positions, "color": colours}) if len(lines) else None
+        _kept[tree.name] = (key, batch)
+    batch = _kept[tree.name][1]
+    if batch is None:
+        return
+    corner, along = (np.array(to_view.view_to_region(x, x, clip=False)) for x in (0.0, 1e4))
     gpu.state.blend_set("ALPHA")
-    shader.bind()
-    shader.uniform_float("viewportSize", (context.region.width, context.region.height))
-    shader.uniform_float("lineWidth", 1.8 * unit)
-    batch.draw(shader)
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate(corner.tolist())
+        gpu.matrix.scale(((along - corner) / 1e4 * unit).tolist())
+        shader.bind()
+        shader.uniform_float("viewportSize", (context.region.width, context.region.height))
+        shader.uniform_float("lineWidth", 1.8 * unit)
+        batch.draw(shader)
     gpu.state.blend_set("NONE")
 
 
-def link_lines(tree: bpy.types.NodeTree, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """Segments of all links (l, 2, 2) in the view's units, and their colours (l, 2, 4); arrow heads included."""
+def link_lines(tree: bpy.types.NodeTree) -> tuple[np.ndarray, np.ndarray]:
+    """Segments of all links (l, 2, 2) in the tree's units, and their colours (l, 2, 4); arrow heads included."""
     nodes = tree.nodes
     active = nodes.active.name if nodes.active is not None and nodes.active.select else None
     where = {node.name: np.array((node.location[0] + 0.5 * node.width, node.location[1])) for node in nodes}
@@ -209,7 +217,7 @@ def link_lines(tree: bpy.types.NodeTree, unit: float = 1.0) -> tuple[np.ndarray,
         colours.append(np.broadcast_to(colour[-1], (len(head), 2, 4)))
     if not lines:
         return np.zeros((0, 2, 2)), np.zeros((0, 2, 4))
-    return np.concatenate(lines) * unit, np.concatenate(colours)
+    return np.concatenate(lines), np.concatenate(colours)
 
 
 def _curve(start: np.ndarray, end: np.ndarray, bend: np.ndarray | None) -> np.ndarray:
@@ -257,4 +265,5 @@ def unregister() -> None:
     if _handle is not None:
         bpy.types.SpaceNodeEditor.draw_handler_remove(_handle, "WINDOW")
         _handle = None
+    _kept.clear()
     bpy.types.NODE_HT_header.remove(draw_header)

@@ -205,3 +205,39 @@ def test_the_overlay_gets_lines_marks_and_faces(rings):
     rings.stormfield.analysis.mcg.kinds = {"ATTRACTING"}
     fewer = analysis_drawing.drawing_of(evaluated)
     assert fewer is not drawing and 0 < len(fewer.faces.corners) < len(faces.corners)
+
+
+@pytest.fixture
+def looking(monkeypatch):
+    """A view of 400 × 400 pixels along -Y onto the square from -2 to 2, without a window; nothing hides anything."""
+    from types import SimpleNamespace
+
+    from mathutils import Matrix
+    from stormfield.ui import pick
+
+    monkeypatch.setattr(pick, "_hidden", lambda _context, _evaluated, place: place[1] > 0.1)
+    turned = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
+    return SimpleNamespace(
+        region=SimpleNamespace(width=400, height=400),
+        region_data=SimpleNamespace(perspective_matrix=Matrix.Diagonal((0.5, 0.5, 0.1, 1.0)) @ turned),
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)),
+    )
+
+
+def test_a_click_hits_the_nearest_entity_in_front(rings, looking):
+    from stormfield.analysis.tracking import Bifurcation, Tracking
+    from stormfield.convert import analysis_objects
+    from stormfield.ui import pick
+
+    places = ((0.0, -1.0, 0.0), (0.08, -0.997, 0.0), (0.5, 0.866, 0.0))  # the last on the far side
+    events = tuple(Bifurcation(i, 0.5, np.array(place), "creation", "sink", ()) for i, place in enumerate(places))
+    analysis_objects.show_tracking(bpy.context.scene, rings, Tracking((), events), "sf_advection")
+    rings.stormfield.analysis.shown = "history"
+    evaluated = rings.evaluated_get(bpy.context.evaluated_depsgraph_get())
+
+    def at(x, z):
+        return pick.entity_at(looking, rings, evaluated, (200 + 100 * x, 200 + 100 * z))
+
+    assert at(0.0, 0.02) == ("history", 0)
+    assert at(0.09, 0.0) == ("history", 1)
+    assert at(0.5, 0.0) is None and at(-0.5, 0.5) is None
