@@ -21,8 +21,12 @@ SEPARATRICES, ORBITS, POINTS = "Separatrices", "Periodic Orbits", "Entities"
 PATHS, EVENTS = "Singularity Paths", "Bifurcations"
 EVENT_KINDS = frozenset({"creation", "annihilation", "hopf"})
 KINDS = (*KIND_COLOURS, "creation", "annihilation", "hopf")
+#: Custom property of the collection: the name of the mesh object.
+OWNER = "stormfield_owner"
 #: Radius of the curves, as a part of the object's size.
 RADIUS = 0.0015
+#: Paths that are shown at first; the life span filter hides the others.
+MOST_PATHS = 200
 #: λ = 0 … 1 on paths: dark violet, magenta, orange, pale yellow.
 RAMP = np.array([(0.27, 0.10, 0.50), (0.72, 0.16, 0.50), (0.96, 0.46, 0.24), (0.99, 0.93, 0.62)])
 
@@ -82,8 +86,9 @@ def show_ecg(scene: bpy.types.Scene, obj: bpy.types.Object, graph: EntityGraph, 
     entity_nodes.show_graph(obj, "ecg", graph)
 
 
-def show_tracking(scene: bpy.types.Scene, obj: bpy.types.Object, tracking: Tracking, shown_field: str) -> None:
-    """Paths and bifurcations over λ: objects and list. Timeline markers are timeline.update_markers'."""
+def show_tracking(scene: bpy.types.Scene, obj: bpy.types.Object, tracking: Tracking, shown_field: str) -> int:
+    """Paths and bifurcations over λ: objects and list; how many paths the filter hides because there are very many.
+    Timeline markers are timeline.update_markers'."""
     collection = _collection(scene, obj)
     paths, events = tracking.paths, tracking.bifurcations
     # A curve of one point cannot be drawn: a path that lives for a moment is its bifurcations.
@@ -129,6 +134,17 @@ def show_tracking(scene: bpy.types.Scene, obj: bpy.types.Object, tracking: Track
         item.lam = event.lam
         item.life = max((path.life for path in mine), default=0.0)
     _list_is_full(obj, entities)
+    return _hide_short_lived(entities, len(paths))
+
+
+def _hide_short_lived(entities, paths: int) -> int:
+    """Where there are very many paths, set the filter so that the longest-lived MOST_PATHS show; how many it hides."""
+    if paths <= MOST_PATHS:
+        return 0
+    lives = sorted((item.life for item in entities.items[:paths]), reverse=True)
+    if lives[MOST_PATHS] < lives[0]:
+        entities.min_life = max(entities.min_life, float(np.nextafter(np.float32(lives[MOST_PATHS]), np.float32(2.0))))
+    return sum(life < entities.min_life for life in lives)
 
 
 _BEGIN = {"first": "there from the start", "boundary": "enters at the boundary", "creation": "appears with another"}
@@ -182,9 +198,10 @@ def _collection(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Coll
     """The collection of an object's analysis, made when it is missing."""
     analysis = obj.stormfield.analysis
     collection = analysis.collection
-    if collection is None:
+    if collection is None or collection.get(OWNER) != obj.name:  # an object that was copied gets its own
         collection = bpy.data.collections.new(f"{obj.name} analysis")
         collection.hide_render = True
+        collection[OWNER] = obj.name
         analysis.collection = collection
     if collection not in scene.collection.children_recursive:
         scene.collection.children.link(collection)

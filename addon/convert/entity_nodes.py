@@ -19,8 +19,9 @@ ROW, SLANT = 120.0, 0.12
 
 
 def tree_of(obj: bpy.types.Object, which: str) -> bpy.types.NodeTree | None:
-    """The node tree of an object's "ecg" or "mcg", if it was made."""
-    return getattr(obj.stormfield.analysis, f"{which}_tree", None)
+    """The node tree of an object's "ecg" or "mcg", if it was made. That of the object it was copied from is not its."""
+    tree = getattr(obj.stormfield.analysis, f"{which}_tree", None)
+    return tree if tree is not None and tree.owner == obj else None
 
 
 def show_graph(obj: bpy.types.Object, which: str, graph: EntityGraph) -> bpy.types.NodeTree:

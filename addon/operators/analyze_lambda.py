@@ -31,11 +31,13 @@ class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
         return tracking_steps(cache_of(obj, mesh), mesh, self._attribute)
 
     def finish(self, context, obj, tracking):
-        analysis_objects.show_tracking(context.scene, obj, tracking, self._attribute)
+        hidden = analysis_objects.show_tracking(context.scene, obj, tracking, self._attribute)
         obj.stormfield.analysis.shown = "history"
         markers = timeline.update_markers(obj)
         events = len(tracking.bifurcations)
         told = f"'{obj.name}': {len(tracking.paths)} paths, {events} bifurcations, {markers} timeline markers"
+        if hidden:
+            told += f"; {hidden} short-lived paths are hidden, see Filter"
         if events and not timeline.is_keyed(obj):
             told += "; key λ to get markers"
         self.report({"INFO"}, told)

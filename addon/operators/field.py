@@ -4,7 +4,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from .. import compat
-from ..convert import attach
+from ..convert import analysis_objects, attach, timeline
 from .shared import FieldOperator, active_field
 
 
@@ -44,7 +44,7 @@ class STORMFIELD_OT_add_field(bpy.types.Operator):
 
 
 class STORMFIELD_OT_remove_field(FieldOperator, bpy.types.Operator):
-    """Take the field away from the mesh: its elements, modifiers and settings. Curves, empties and caches stay"""
+    """Take the field away from the mesh: its elements, analysis and settings. Curves, empties and caches stay"""
 
     bl_idname = "stormfield.remove_field"
     bl_label = "Remove Field"
@@ -53,6 +53,8 @@ class STORMFIELD_OT_remove_field(FieldOperator, bpy.types.Operator):
     def execute(self, context):
         obj = active_field(context)
         attach.detach(obj)
+        timeline.remove_markers(obj)
+        analysis_objects.forget(obj)
         for curve in [c for c in compat.fcurves(obj) if c.data_path.startswith("stormfield.")]:
             compat.remove_fcurve(obj, curve)
         obj.property_unset("stormfield")

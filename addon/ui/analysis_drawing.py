@@ -4,6 +4,7 @@ Everything comes from the file (objects of the analysis, lists, the face attribu
 undone shows what it holds. Worked out again only when results, filters, shape or settings change.
 """
 
+from collections import Counter
 from dataclasses import dataclass, field
 
 import bpy
@@ -87,6 +88,7 @@ class AnalysisDrawing:
     entities: list[Mark] = field(default_factory=list)  #: of the graph at its λ
     paths: list["Way"] = field(default_factory=list)
     faces: Faces | None = None
+    counts: dict[str, Counter] = field(default_factory=dict)  #: per list, how many of each kind pass the filters
 
 
 _drawings: dict[str, tuple[tuple, Surface, AnalysisDrawing]] = {}
@@ -131,6 +133,10 @@ def _make(evaluated, surface: Surface, mesh) -> AnalysisDrawing:
     analysis = obj.stormfield.analysis
     drawing = AnalysisDrawing()
     shown = {which: _passing(analysis.list(which)) for which in ("ecg", "history", "mcg")}
+    drawing.counts = {
+        which: Counter(item.kind for item, keep in zip(analysis.list(which).items, kept, strict=True) if keep)
+        for which, kept in shown.items()
+    }
     for role, which, names in (
         (objects.SEPARATRICES, "ecg", ("source", "target")),
         (objects.ORBITS, "ecg", ("entity", "entity")),

@@ -183,48 +183,37 @@ def _write(text: str, x: float, y: float, unit: float) -> None:
 # Legend ---------------------------------------------------------------------------------------------------------------
 
 
-def legend_blocks(obj: bpy.types.Object) -> list[legend.Block]:
+def legend_blocks(obj: bpy.types.Object, evaluated: bpy.types.Object) -> list[legend.Block]:
     """Blocks of the analyses that were made and are shown."""
     analysis = obj.stormfield.analysis
-    blocks: list[legend.Block] = []
-    if not analysis.show:
-        return blocks
+    drawing = analysis_drawing.drawing_of(evaluated) if analysis.show else None
+    if drawing is None:
+        return []
+    blocks = []
     if analysis.ecg.made and (analysis.show_separatrices or analysis.show_orbits):
-        counts = _counts(analysis.ecg, ("repelling", "attracting"))
-        now = "" if analysis_drawing.is_current(obj, analysis.ecg) else "  (not now)"
-        blocks.append(legend.Block(f"Topology  λ {analysis.ecg.lam:.3f}{now}", _rows(counts)))
+        orbits = {kind: drawing.counts["ecg"][kind] for kind in ("repelling", "attracting")}
+        blocks.append(legend.Block(_title(obj, "Topology", analysis.ecg), _rows(orbits)))
     if analysis.history.made and analysis.show_paths:
-        counts = _counts(analysis.history, ("creation", "annihilation", "hopf"))
-        paths = sum(item.kind not in objects.EVENT_KINDS for item in _passing(analysis.history))
+        events = {kind: drawing.counts["history"][kind] for kind in markers.EVENTS}
+        paths = drawing.counts["history"].total() - sum(events.values())
         ramp = objects.lam_colours(np.linspace(0.0, 1.0, 13))
-        blocks.append(legend.Block(f"Over λ: {paths} paths", _rows(counts, always=True), ramp))
+        blocks.append(legend.Block(f"Over λ: {paths} paths", _rows(events), ramp))
     preview = morse_preview.of(obj)
     if preview is not None and analysis.show_sets:
         counts = {kind: preview.kinds.count(kind) for kind in markers.NAMES}
         blocks.append(legend.Block(f"Preview  λ {preview.lam:.3f}", _rows(counts)))
     elif analysis.mcg.made and analysis.show_sets:
-        counts = _counts(analysis.mcg, ())
-        now = "" if analysis_drawing.is_current(obj, analysis.mcg) else "  (not now)"
-        blocks.append(legend.Block(f"Morse sets  λ {analysis.mcg.lam:.3f}{now}", _rows(counts)))
+        blocks.append(legend.Block(_title(obj, "Morse sets", analysis.mcg), _rows(drawing.counts["mcg"])))
     return blocks
 
 
-def _passing(entities) -> list:
-    return [item for item in entities.items if entities.passes(item)]
+def _title(obj, what: str, entities) -> str:
+    now = "" if analysis_drawing.is_current(obj, entities) else "  (not now)"
+    return f"{what}  λ {entities.lam:.3f}{now}"
 
 
-def _counts(entities, kinds) -> dict[str, int]:
-    """How many of each kind pass the filters; `kinds` alone when given."""
-    counts = dict.fromkeys(kinds, 0)
-    for item in _passing(entities):
-        if not kinds or item.kind in kinds:
-            counts[item.kind] = counts.get(item.kind, 0) + 1
-    return counts
-
-
-def _rows(counts: dict[str, int], always: bool = False) -> list[tuple[str, str]]:
-    order = [kind for kind in markers.NAMES if kind in counts]
-    return [(kind, f"{markers.NAMES[kind]}  {counts[kind]}") for kind in order if counts[kind] or always]
+def _rows(counts) -> list[tuple[str, str]]:
+    return [(kind, f"{name}  {counts[kind]}") for kind, name in markers.NAMES.items() if counts.get(kind)]
 
 
 def forget() -> None:

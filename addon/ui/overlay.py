@@ -99,7 +99,7 @@ def draw_texts(context: bpy.types.Context) -> None:
         analysis_overlay.draw_names(context, obj, evaluated)
     obj = active_field(context)
     if obj in shown and obj.stormfield.look.show_legend:
-        blocks = [*_field_block(obj, shown[obj]), *analysis_overlay.legend_blocks(obj)]
+        blocks = [*_field_block(obj, shown[obj]), *analysis_overlay.legend_blocks(obj, shown[obj])]
         if blocks:
             legend.draw(context, blocks)
 

@@ -267,3 +267,38 @@ def test_forgetting_leaves_nothing(ball, show):
     analysis = ball.stormfield.analysis
     assert not analysis.ecg.items and analysis.ecg_tree is None and analysis.collection is None
     assert [obj.name for obj in bpy.data.objects] == ["Ball"] and not bpy.data.node_groups
+
+
+def test_a_copy_of_the_object_gets_an_analysis_of_its_own(ball, show, scene, entities):
+    from stormfield.convert import analysis_objects
+
+    show()
+    copy = ball.copy()
+    copy.data = ball.data.copy()
+    scene.collection.objects.link(copy)
+    analysis_objects.show_ecg(scene, copy, entities(2), "sf_advection")
+    assert len(ball.stormfield.analysis.ecg_tree.nodes) == 4 and len(copy.stormfield.analysis.ecg_tree.nodes) == 2
+    assert ball.stormfield.analysis.collection != copy.stormfield.analysis.collection
+    assert len(bpy.data.objects["Ball Entities"].data.vertices) == 4
+
+
+def test_very_many_paths_are_filtered_by_their_life(ball, scene, tracking):
+    from dataclasses import replace
+
+    from stormfield.analysis.tracking import Tracking
+    from stormfield.convert import analysis_objects
+
+    long, short = tracking.paths[0], tracking.paths[3]
+    paths = tuple(replace(long if i % 3 == 0 else short, id=i) for i in range(500))
+    hidden = analysis_objects.show_tracking(scene, ball, Tracking(paths, ()), "sf_advection")
+    history = ball.stormfield.analysis.history
+    shown = sum(history.passes(item) for item in history.items)
+    assert (shown, hidden) == (167, 333)
+
+
+def test_removing_the_field_removes_its_analysis(ball, show, markers):
+    show()
+    assert markers()
+    assert bpy.ops.stormfield.remove_field() == {"FINISHED"}
+    assert [obj.name for obj in bpy.data.objects] == ["Ball"] and not bpy.data.node_groups
+    assert not bpy.context.scene.timeline_markers
