@@ -31,24 +31,36 @@ Complex times(Complex a, Complex b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
+/// A part t of a step, with u = 1 - t kept beside it: beside an infinitesimal vector, events at the end
+/// of a step are as distinct as those at its begin.
+struct Time {
+  double t = 0.5, u = 0.5;
+
+  /// t : u, of the same sign.
+  static Time ratio(double t, double u) { return {t / (t + u), u / (t + u)}; }
+};
+
+Complex blend(Complex from, Complex to, const Time& at) {
+  return at.u * from + at.t * to;
+}
+
 /// Turn in (-pi, pi]. Adding zero turns -0 into 0, so that opposed vectors turn by +pi.
 double turnOf(double crossed, double dotted) {
   return std::atan2(crossed + 0.0, dotted);
 }
 
-/// c[0] u^2 + c[1] u t + c[2] t^2 with u = 1 - t: the values at both samples and what is between them.
+/// c[0] u^2 + c[1] u t + c[2] t^2: the values at both samples and what is between them.
 struct Quadratic {
   std::array<double, 3> c;
 
-  double at(double t) const { return (1.0 - t) * ((1.0 - t) * c[0] + t * c[1]) + t * t * c[2]; }
-  double slope(double t) const { return (1.0 - t) * (c[1] - 2.0 * c[0]) + t * (2.0 * c[2] - c[1]); }
+  double slope(const Time& at) const { return at.u * (c[1] - 2.0 * c[0]) + at.t * (2.0 * c[2] - c[1]); }
   bool above(double bound) const { return c[0] > bound && c[1] > bound && c[2] > bound; }
   bool below(double bound) const { return c[0] < bound && c[1] < bound && c[2] < bound; }
   double size() const { return std::abs(c[0]) + std::abs(c[1]) + std::abs(c[2]); }
 
   struct Roots {
     int count = 0;
-    std::array<double, 2> t{};
+    std::array<Time, 2> times{};
   };
 
   /// Its roots in [0, 1] in order.
@@ -57,14 +69,14 @@ struct Quadratic {
     Roots found;
     if (!(discriminant >= 0.0)) return found;
     const double half = -0.5 * (c[1] + std::copysign(std::sqrt(discriminant), c[1]));
-    // t : u is a ratio of numbers of the same sign; exchanging the samples exchanges t and u.
     const auto add = [&](double t, double u) {
       if ((t > 0.0 && u < 0.0) || (t < 0.0 && u > 0.0) || t + u == 0.0) return;
-      found.t[found.count++] = t / (t + u);
+      found.times[found.count++] = Time::ratio(t, u);
     };
     add(half, c[2]);
     add(c[0], half);
-    if (found.count == 2 && found.t[0] > found.t[1]) std::swap(found.t[0], found.t[1]);
+    const auto& [first, second] = found.times;
+    if (found.count == 2 && first.t * second.u > second.t * first.u) std::swap(found.times[0], found.times[1]);
     return found;
   }
 };
@@ -89,48 +101,70 @@ struct MovingEdge {
   double turnBefore() const { return turnOf(crossed.c[0], dotted.c[0]); }
   double turnAfter() const { return turnOf(crossed.c[2], dotted.c[2]); }
 
-  double along(double t) const {
-    const double p = std::abs((1.0 - t) * p0 + t * p1), q = std::abs((1.0 - t) * q0 + t * q1);
+  double along(const Time& at) const {
+    const double p = std::abs(blend(p0, p1, at)), q = std::abs(blend(q0, q1, at));
     return p + q > 0.0 ? p / (p + q) : 0.5;
   }
 };
 
-/// When the vector is shortest on its straight way.
-double shortest(Complex from, Complex to) {
-  const double squared = std::norm(to - from);
-  return squared > 0.0 ? std::clamp(dot(from, from - to) / squared, 0.0, 1.0) : 0.5;
+enum class Ends { Opposed, Aligned, Unclear };
+
+/// Length as part of what it is made of: round-off when the vector passes through zero.
+double smallness(Complex from, Complex to, const Time& at) {
+  return std::abs(blend(from, to, at)) / (at.u * std::abs(from) + at.t * std::abs(to));
 }
 
-/// One crossing that carries this charge is known to happen: the time that fits best. Where an end vector passes
-/// through zero, or both stay on one line, round-off decides what the roots are, and the time is where a vector is
-/// shortest.
-double timeOfOne(const MovingEdge& edge, int charge) {
+/// At a root of the cross product: Unclear where one of the ends is zero up to round-off.
+Ends endsAt(const MovingEdge& edge, const Time& at) {
+  if (std::min(smallness(edge.p0, edge.p1, at), smallness(edge.q0, edge.q1, at)) <= kTrusted) return Ends::Unclear;
+  return dot(blend(edge.p0, edge.p1, at), blend(edge.q0, edge.q1, at)) < 0.0 ? Ends::Opposed : Ends::Aligned;
+}
+
+/// When the vector is shortest on its straight way.
+Time shortest(Complex from, Complex to) {
+  const double t = dot(from, from - to), u = dot(to, to - from);
+  if (t <= 0.0 && u <= 0.0) return {};
+  return Time::ratio(std::max(t, 0.0), std::max(u, 0.0));
+}
+
+/// One crossing that carries this charge is known to happen: when. Without a root, an end vector passes through zero
+/// and turns by half a circle on the spot, the tail's to the side of the charge or the head's to the other.
+Time timeOfOne(const MovingEdge& edge, int charge, double tailTurn, double headTurn) {
   const Quadratic::Roots roots = edge.crossed.roots();
+  // At a double root the slope is round-off.
+  double steepest = -kTrusted * edge.crossed.size();
+  std::optional<Time> fits;
   for (int k = 0; k < roots.count; ++k) {
-    const double t = roots.t[k];
-    if (edge.crossed.slope(t) * charge > 0.0 && edge.dotted.at(t) < -kTrusted * edge.dotted.size()) return t;
+    const double slope = edge.crossed.slope(roots.times[k]) * charge;
+    if (slope < steepest || endsAt(edge, roots.times[k]) != Ends::Opposed) continue;
+    steepest = slope;
+    fits = roots.times[k];
   }
-  const auto misfit = [&](double t) { return std::abs(edge.crossed.at(t)) + std::max(0.0, edge.dotted.at(t)); };
-  double best = shortest(edge.p0, edge.p1);
-  for (const double t : {shortest(edge.q0, edge.q1), roots.t[0], roots.t[1]}) {
-    if (misfit(t) < misfit(best)) best = t;
-  }
-  return best;
+  if (fits) return *fits;
+  return tailTurn * charge > -headTurn * charge ? shortest(edge.p0, edge.p1) : shortest(edge.q0, edge.q1);
+}
+
+/// Both roots are of ends that pass through zero: whether the first of them turns the edge past pi. A vector that turns
+/// on the spot by tailTurn at the tail turns the edge the other way.
+bool turnsPastPi(const MovingEdge& edge, const Time& first, double tailTurn, double headTurn) {
+  const bool tail = smallness(edge.p0, edge.p1, first) < smallness(edge.q0, edge.q1, first);
+  return (tail ? tailTurn < 0.0 : headTurn > 0.0) == (edge.crossed.c[0] >= 0.0);
 }
 
 /// No index is left over: either nothing happens, or one charge comes and goes.
-std::optional<std::pair<double, double>> timesOfTwo(const MovingEdge& edge) {
-  const auto [count, t] = edge.crossed.roots();
-  if (count < 2) return std::nullopt;
-  const double first = edge.dotted.at(t[0]), second = edge.dotted.at(t[1]);
-  // With one of them certain, the other is as well: round-off near a zero end vector decides nothing.
-  const double bound = kTrusted * edge.dotted.size();
-  if (std::min(first, second) >= -bound || std::max(first, second) > bound) return std::nullopt;
+std::optional<std::pair<Time, Time>> timesOfTwo(const MovingEdge& edge, double tailTurn, double headTurn) {
+  const Quadratic::Roots roots = edge.crossed.roots();
+  if (roots.count < 2) return std::nullopt;
+  const auto& [first, second] = roots.times;
+  // With one of them certain, the other is as well, unless it is certain not to be.
+  const Ends before = endsAt(edge, first), after = endsAt(edge, second);
+  if (before == Ends::Aligned || after == Ends::Aligned) return std::nullopt;
+  const bool unclear = before == Ends::Unclear && after == Ends::Unclear;
+  if (unclear && !turnsPastPi(edge, first, tailTurn, headTurn)) return std::nullopt;
   // A turn of exactly +pi at a sample counts as one that has not yet crossed, or has crossed already.
-  const bool positive = edge.crossed.c[0] >= 0.0;
-  if (t[0] == 0.0 && !(positive && edge.crossed.slope(0.0) < 0.0)) return std::nullopt;
-  if (t[1] == 1.0 && !(edge.crossed.slope(1.0) > 0.0)) return std::nullopt;
-  return std::pair(t[0], t[1]);
+  if (first.t == 0.0 && !(edge.crossed.c[0] >= 0.0 && edge.crossed.slope(first) < 0.0)) return std::nullopt;
+  if (second.u == 0.0 && !(edge.crossed.slope(second) > 0.0)) return std::nullopt;
+  return std::pair(first, second);
 }
 
 /// The values of one sample with infinitesimal vectors in place of zero ones.
@@ -161,7 +195,7 @@ class Step {
         from_(field.sample(j), infinitesimal),
         to_(field.sample(j + 1), infinitesimal),
         begin_(field.lambdas[j]),
-        length_(field.lambdas[j + 1] - field.lambdas[j]) {}
+        end_(field.lambdas[j + 1]) {}
 
   std::vector<EdgeCrossing> crossings(Index firstEdge, Index lastEdge) const {
     std::vector<EdgeCrossing> found;
@@ -169,7 +203,7 @@ class Step {
       const Index h = mesh_.edgeHalfedge(e);
       const Index tail = mesh_.tail(h), head = mesh_.head(h);
       const MovingEdge edge(from_[tail], to_[tail], from_[head], to_[head], charts_.transport(h));
-      if (!edge.calm()) add(found, e, edge, turnOfVertex(head) - turnOfVertex(tail));
+      if (!edge.calm()) add(found, e, edge, turnOfVertex(tail), turnOfVertex(head));
     }
     return found;
   }
@@ -177,27 +211,27 @@ class Step {
  private:
   double turnOfVertex(Index v) const { return turnOf(cross(from_[v], to_[v]), dot(from_[v], to_[v])); }
 
-  /// vertexTurn: how much more the vector at the head turns over the step than the one at the tail.
-  void add(std::vector<EdgeCrossing>& found, Index e, const MovingEdge& edge, double vertexTurn) const {
-    const double excess = edge.turnAfter() - edge.turnBefore() - vertexTurn;
+  void add(std::vector<EdgeCrossing>& found, Index e, const MovingEdge& edge, double tailTurn, double headTurn) const {
+    const double excess = edge.turnAfter() - edge.turnBefore() - (headTurn - tailTurn);
     const int charge = static_cast<int>(std::lround(excess / (2.0 * kPi)));
     if (charge != 0) {
-      found.push_back(at(e, edge, timeOfOne(edge, charge), charge));
-    } else if (const auto times = timesOfTwo(edge)) {
+      found.push_back(at(e, edge, timeOfOne(edge, charge, tailTurn, headTurn), charge));
+    } else if (const auto times = timesOfTwo(edge, tailTurn, headTurn)) {
       const int first = edge.crossed.c[0] >= 0.0 ? -1 : 1;
       found.push_back(at(e, edge, times->first, first));
       found.push_back(at(e, edge, times->second, -first));
     }
   }
 
-  EdgeCrossing at(Index e, const MovingEdge& edge, double t, int charge) const {
-    return {std::min(begin_ + t * length_, begin_ + length_), edge.along(t), e, charge};
+  EdgeCrossing at(Index e, const MovingEdge& edge, const Time& time, int charge) const {
+    return {time.t < 0.5 ? begin_ + time.t * (end_ - begin_) : end_ - time.u * (end_ - begin_), edge.along(time), e,
+            charge};
   }
 
   const VertexCharts& charts_;
   const TriangleMesh& mesh_;
   Sample from_, to_;
-  double begin_, length_;
+  double begin_, end_;
 };
 
 }  // namespace

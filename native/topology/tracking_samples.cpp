@@ -1,6 +1,7 @@
 #include "topology/tracking_samples.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "topology/zero_search.h"
 
@@ -10,6 +11,28 @@ namespace {
 constexpr int kHalvings = 6;
 /// Steps of lambda so short need no points in between: at a vertex they are round-off of one.
 constexpr double kInstant = 1e-9;
+/// Ends of an edge are opposed when their cross product is below this part of the product of their lengths.
+constexpr double kOpposed = 1e-12;
+
+/// The zero on the face's boundary, if there is one: the turn along that edge is pi either way, so that the face may hold
+/// the index although the field winds around it only up to round-off.
+std::optional<Eigen::Vector3d> zeroOnBoundary(const FaceInterpolant& local) {
+  for (int i = 0; i < 3; ++i) {
+    if (local.carried[i] == 0.0) return Eigen::Vector3d::Unit(i);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const int k = (i + 1) % 3;
+    const Complex along = local.corners[k] - local.corners[i];
+    const Complex turn = local.towards(k, -along) * std::conj(local.towards(i, along));
+    if (turn.real() >= 0.0 || std::abs(turn.imag()) > -kOpposed * turn.real()) continue;
+    const double tail = std::abs(local.carried[i]), head = std::abs(local.carried[k]);
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    point[i] = head / (tail + head);
+    point[k] = tail / (tail + head);
+    return point;
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -48,7 +71,8 @@ std::vector<JetSample> WaySampler::sample(const FaceWay& way) const {
 
 JetSample WaySampler::inFace(Index face, double lambda, int index) const {
   const FaceInterpolant local = interpolant(face, lambda);
-  return jetAt(lambda, {face, findZero(local, index)}, local, index);
+  const std::optional<Eigen::Vector3d> boundary = zeroOnBoundary(local);
+  return jetAt(lambda, {face, boundary ? *boundary : findZero(local, index)}, local, index);
 }
 
 SurfacePoint WaySampler::crossingPoint(const EdgeCrossing& crossing, Index face) const {
