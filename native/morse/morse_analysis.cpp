@@ -76,6 +76,9 @@ void analyzeFlow(MorseAnalysis& analysis, const FlatFaces& faces, const MorseAna
     throw InputError(message("an error bound needs the geometry-based map, not '", name(options.method),
                              "'; choose the method 'geometry' or set eps to 0"));
   }
+  if (options.tau && !(*options.tau > 0.0 && std::isfinite(*options.tau))) {
+    throw InputError(message("tau is ", *options.tau, "; give a positive number, or none to have one found"));
+  }
   analysis.tau = options.tau ? *options.tau : fewEdges(*analysis.field, options.method);
   progress.range(0.0, 0.9);
   analysis.seconds.map = timed([&] {
