@@ -1,12 +1,11 @@
 """stormfield analyze FIELD: the topology of the field at one λ."""
 
-from typing import Any
-
 import click
 
 from . import cli
 from .blender import load_core
 from .output import Phases, check_lam, describe_mesh, field_argument, write_json
+from .progress import progress
 
 
 @cli.command()
@@ -14,11 +13,21 @@ from .output import Phases, check_lam, describe_mesh, field_argument, write_json
 @click.option("--lam", type=float, help="λ of the instantaneous field, 0..1.  [default: the first sample]")
 @click.option("--attribute", default="sf_advection", show_default=True, help="Vector attribute of a cache.")
 @click.option("--json", "out", required=True, help="File to write; - is standard output.")
+@click.option("--image", help="Picture of the field, its entities and their graph: .png, .pdf or .svg.")
 def analyze(
-    field: str, vector: str | None, sphere_faces: int | None, lam: float | None, attribute: str, out: str
+    field: str,
+    vector: str | None,
+    sphere_faces: int | None,
+    lam: float | None,
+    attribute: str,
+    out: str,
+    image: str | None,
 ) -> None:
-    """Find the fixed points of FIELD."""
+    """Find the fixed points, periodic orbits and separatrices of FIELD, and how they are linked."""
     from .. import native
+    from ..analysis.ecg import entity_graph, topology_json
+    from ..analysis.steps import result_of
+    from ..bake.job import run
     from ..readers import read_field
 
     check_lam(lam)
@@ -29,29 +38,23 @@ def analyze(
         lam = float(data.lambdas[0]) if lam is None else lam
     with phases("mesh"):
         mesh = native.TriangleMesh(data.mesh.vertices, data.mesh.triangles)
-    with phases("fixed_points"):
-        instant = native.VectorField.from_space(mesh, data.at(lam))
-        points = native.fixed_points(instant)
+    with phases("topology"), progress("Analyzing") as show:
+        vectors = data.at(lam)
+        job = native.start_topology(native.VectorField.from_space(mesh, vectors))
+        topology = run(result_of(job, 0.0, "following the flow"), show)
+    graph = entity_graph(topology, mesh, lam)
+    if image is not None:
+        from ..analysis.image import draw_analysis
+
+        with phases("image"):
+            draw_analysis(image, mesh, vectors, graph)
     write_json(
         out,
         {
             "schema": "stormfield.analysis/1",
             "mesh": describe_mesh(mesh),
             "lam": lam,
-            "fixed_points": [_fixed_point(point) for point in points],
-            "index_sum": int(instant.poincare_indices().sum()),
-            "seconds": phases.seconds,
+            **topology_json(topology, graph),
+            "seconds": phases.seconds | topology.seconds,
         },
     )
-
-
-def _fixed_point(point: Any) -> dict[str, Any]:
-    return {
-        "position": [float(x) for x in point.position],
-        "face": int(point.face),
-        "barycentric": [float(b) for b in point.barycentric],
-        "kind": str(point.kind),
-        "index": int(point.index),
-        "rotation": float(point.rotation),
-        "jacobian": [[float(x) for x in row] for row in point.jacobian],
-    }

@@ -1,7 +1,9 @@
 #include <pybind11/stl.h>
 
 #include "bindings/bindings.h"
+#include "bindings/job.h"
 #include "topology/fixed_points.h"
+#include "topology/topology.h"
 
 namespace stormfield::bindings {
 namespace {
@@ -26,6 +28,176 @@ py::array_t<double> vectorArray(const Vec3& v) {
   return py::array_t<double>(3, v.data());
 }
 
+/// Python's Topology and its parts: all share the result.
+struct TopologyHandle {
+  std::shared_ptr<MeshHandle> mesh;
+  std::shared_ptr<const Topology> topology;
+};
+struct OrbitHandle {
+  std::shared_ptr<MeshHandle> mesh;
+  std::shared_ptr<const Topology> topology;
+  const PeriodicOrbit* orbit;
+};
+struct SeparatrixHandle {
+  std::shared_ptr<MeshHandle> mesh;
+  std::shared_ptr<const Topology> topology;
+  const Separatrix* separatrix;
+};
+
+py::array_t<double> curvePositions(const MeshHandle& mesh, const std::vector<SurfacePoint>& curve) {
+  Points result(static_cast<Eigen::Index>(curve.size()), 3);
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    result.row(static_cast<Eigen::Index>(i)) = position(mesh.mesh(), curve[i]);
+  }
+  return fromPoints(result);
+}
+
+py::array_t<Index> curveFaces(const std::vector<SurfacePoint>& curve) {
+  py::array_t<Index> result(static_cast<py::ssize_t>(curve.size()));
+  for (std::size_t i = 0; i < curve.size(); ++i) result.mutable_at(static_cast<py::ssize_t>(i)) = curve[i].face;
+  return result;
+}
+
+py::array_t<double> curveBarycentric(const std::vector<SurfacePoint>& curve) {
+  Points result(static_cast<Eigen::Index>(curve.size()), 3);
+  for (std::size_t i = 0; i < curve.size(); ++i) result.row(static_cast<Eigen::Index>(i)) = curve[i].barycentric;
+  return fromPoints(result);
+}
+
+py::tuple entityTuple(const EntityRef& entity) {
+  constexpr const char* kKinds[] = {"none", "fixed_point", "periodic_orbit", "boundary"};
+  const char* kind = kKinds[static_cast<int>(entity.kind)];
+  if (entity.index == kNone) return py::make_tuple(kind, py::none());
+  return py::make_tuple(kind, entity.index);
+}
+
+std::shared_ptr<Job<TopologyHandle>> startTopology(const FieldHandle& field, double relativeTolerance, double tolerance,
+                                                   double bandTolerance, Index maximalCrossings,
+                                                   const std::shared_ptr<Progress>& progress) {
+  TopologyOptions options;
+  options.fixedPoints.relativeTolerance = relativeTolerance;
+  options.tolerance = tolerance;
+  options.bandTolerance = bandTolerance;
+  options.maximalCrossings = maximalCrossings;
+  // The job outlives the arguments, so it works on a copy.
+  auto work = [mesh = field.mesh, own = std::make_shared<const VectorField>(field.field), options](Progress& p) {
+    auto topology = std::make_shared<const Topology>(findTopology(*mesh->flatFaces(), *own, options, &p));
+    return TopologyHandle{mesh, topology};
+  };
+  return std::make_shared<Job<TopologyHandle>>(work, progress);
+}
+
+template <typename Handle, typename Part>
+py::list handles(const TopologyHandle& self, const std::vector<Part>& parts) {
+  py::list result;
+  for (const Part& part : parts) result.append(Handle{self.mesh, self.topology, &part});
+  return result;
+}
+
+void bindCurves(py::module_& m) {
+  py::class_<BoundaryPoint>(m, "BoundaryPoint", py::module_local(),
+                            "Where the flow turns from in to out along the boundary. Immutable.")
+      .def_property_readonly(
+          "position", [](const BoundaryPoint& p) { return vectorArray(p.position); }, "(3,) float64, mesh units.")
+      .def_property_readonly(
+          "face", [](const BoundaryPoint& p) { return p.point.face; }, "Face that holds the point.")
+      .def_property_readonly(
+          "index", [](const BoundaryPoint& p) { return 0.5 * p.halfIndex; },
+          "+0.5 where a trajectory touches the boundary from outside, -0.5 from inside (others at vertices only). "
+          "With\n"
+          "the fixed points' indices these add up to the Euler characteristic.");
+  py::class_<OrbitHandle>(m, "PeriodicOrbit", py::module_local(), "A closed streamline. Immutable.")
+      .def_property_readonly(
+          "kind", [](const OrbitHandle& o) { return name(o.orbit->kind); },
+          "attracting, repelling, center (one of a band of closed streamlines) or degenerate (attracting on one side).")
+      .def_property_readonly(
+          "points", [](const OrbitHandle& o) { return curvePositions(*o.mesh, o.orbit->points); },
+          "(k, 3) float64 along the flow, mesh units; the first is repeated at the end.")
+      .def_property_readonly(
+          "faces", [](const OrbitHandle& o) { return curveFaces(o.orbit->points); }, "(k,) int32.")
+      .def_property_readonly(
+          "barycentric", [](const OrbitHandle& o) { return curveBarycentric(o.orbit->points); }, "(k, 3) float64.")
+      .def_property_readonly(
+          "times", [](const OrbitHandle& o) { return copied(o.orbit->times); }, "(k,) float64, seconds.")
+      .def_property_readonly(
+          "length", [](const OrbitHandle& o) { return o.orbit->length; }, "Mesh units.")
+      .def_property_readonly(
+          "period", [](const OrbitHandle& o) { return o.orbit->period; }, "Seconds.")
+      .def_property_readonly(
+          "multiplier", [](const OrbitHandle& o) { return o.orbit->multiplier; },
+          "Derivative of the return map: < 1 attracting, > 1 repelling.")
+      .def_property_readonly(
+          "band", [](const OrbitHandle& o) { return o.orbit->kind == OrbitKind::Center; },
+          "Whether it stands for a whole band of closed streamlines.")
+      .def("__repr__", [](const OrbitHandle& o) {
+        return message("<PeriodicOrbit ", name(o.orbit->kind), " length ", o.orbit->length, ">");
+      });
+  py::class_<SeparatrixHandle>(m, "Separatrix", py::module_local(),
+                               "Curve from a saddle to what it comes from or goes to. Immutable.")
+      .def_property_readonly(
+          "saddle", [](const SeparatrixHandle& s) { return s.separatrix->saddle; }, "In Topology.fixed_points.")
+      .def_property_readonly(
+          "outgoing", [](const SeparatrixHandle& s) { return s.separatrix->outgoing; },
+          "Whether the flow goes away from the saddle.")
+      .def_property_readonly(
+          "end", [](const SeparatrixHandle& s) { return entityTuple(s.separatrix->end); },
+          "(kind, number): fixed_point or periodic_orbit with its number, or boundary or none with None.")
+      .def_property_readonly(
+          "points", [](const SeparatrixHandle& s) { return curvePositions(*s.mesh, s.separatrix->points); },
+          "(k, 3) float64 from the saddle, mesh units.")
+      .def_property_readonly(
+          "faces", [](const SeparatrixHandle& s) { return curveFaces(s.separatrix->points); }, "(k,) int32.")
+      .def_property_readonly(
+          "barycentric", [](const SeparatrixHandle& s) { return curveBarycentric(s.separatrix->points); },
+          "(k, 3) float64.")
+      .def_property_readonly(
+          "times", [](const SeparatrixHandle& s) { return copied(s.separatrix->times); },
+          "(k,) float64, seconds from the second point.")
+      .def_property_readonly(
+          "length", [](const SeparatrixHandle& s) { return s.separatrix->length; }, "Mesh units.");
+}
+
+void bindResult(py::module_& m) {
+  py::class_<TopologyHandle>(m, "Topology", py::module_local(),
+                             "What a field does: all its entities and how they are linked. Immutable.")
+      .def_property_readonly(
+          "fixed_points", [](const TopologyHandle& self) { return self.topology->fixedPoints; },
+          "list of FixedPoint, in face order.")
+      .def_property_readonly(
+          "boundary_points", [](const TopologyHandle& self) { return self.topology->boundaryPoints; },
+          "list of BoundaryPoint, loop by loop.")
+      .def_property_readonly(
+          "periodic_orbits",
+          [](const TopologyHandle& self) { return handles<OrbitHandle>(self, self.topology->periodicOrbits); },
+          "list of PeriodicOrbit.")
+      .def_property_readonly(
+          "separatrices",
+          [](const TopologyHandle& self) { return handles<SeparatrixHandle>(self, self.topology->separatrices); },
+          "list of Separatrix, by saddle.")
+      .def_property_readonly(
+          "links",
+          [](const TopologyHandle& self) {
+            py::list result;
+            for (const EntityLink& link : self.topology->links) {
+              result.append(py::make_tuple(entityTuple(link.source), entityTuple(link.target), link.separatrices));
+            }
+            return result;
+          },
+          "list of (source, target, separatrices): entities as (kind, number), kind fixed_point or periodic_orbit; "
+          "the\n"
+          "numbers of the separatrices that make the link, none where a whole basin does. With the flow.")
+      .def_property_readonly(
+          "zero_faces", [](const TopologyHandle& self) { return self.topology->zeros.faces; },
+          "Number of faces where the field is zero altogether.")
+      .def_property_readonly(
+          "zero_vertices", [](const TopologyHandle& self) { return self.topology->zeros.vertices; },
+          "Number of vertices with a zero vector.")
+      .def_property_readonly(
+          "seconds", [](const TopologyHandle& self) { return self.topology->seconds; }, "dict, seconds by phase.");
+  bindJob<Job<TopologyHandle>>(m, "TopologyJob", "The search for a field's topology.",
+                               [](const TopologyHandle& result) { return result; });
+}
+
 }  // namespace
 
 void bind_topology(py::module_& m) {
@@ -42,6 +214,25 @@ void bind_topology(py::module_& m) {
           "kind", [](const FixedPoint& p) { return name(p.kind); }, "source, sink, saddle, center or degenerate.")
       .def_property_readonly("jacobian", &jacobianArray, "(2, 2) float64 in the flat frame of the face, 1/s.")
       .def_readonly("rotation", &FixedPoint::rotation, "Curl, 1/s: > 0 turns counter-clockwise seen from outside.")
+      .def_property_readonly(
+          "eigenvalues", [](const FixedPoint& p) { return py::make_tuple(p.eigenvalues[0], p.eigenvalues[1]); },
+          "2 complex, 1/s: by falling real part, or a conjugate pair.")
+      .def_property_readonly(
+          "eigenvectors",
+          [](const FixedPoint& p) {
+            return py::make_tuple(vectorArray(p.eigenvectors[0]), vectorArray(p.eigenvectors[1]));
+          },
+          "2 of (3,) float64, unit vectors; zero where the eigenvalues are not real.")
+      .def_property_readonly(
+          "separatrix_directions",
+          [](const FixedPoint& p) {
+            py::list result;
+            for (const SeparatrixDirection& d : p.separatrices) {
+              result.append(py::make_tuple(vectorArray(d.inSpace), d.outgoing));
+            }
+            return result;
+          },
+          "list of ((3,) float64 unit vector, outgoing): where separatrices leave and enter a saddle.")
       .def("__repr__", [](const FixedPoint& p) {
         return message("<FixedPoint ", name(p.kind), " index ", p.index, " in face ", p.point.face, ">");
       });
@@ -50,6 +241,19 @@ void bind_topology(py::module_& m) {
         "Fixed points of a VectorField, in face order. relative_tolerance: |trace| below this part of the rotation "
         "counts\n"
         "as a center, |det| below its square (relative to the Jacobian) as degenerate.");
+  bindCurves(m);
+  bindResult(m);
+  const TopologyOptions defaults;
+  m.def("start_topology", &startTopology, py::arg("field"), py::kw_only(),
+        py::arg("relative_tolerance") = defaults.fixedPoints.relativeTolerance,
+        py::arg("tolerance") = defaults.tolerance, py::arg("band_tolerance") = defaults.bandTolerance,
+        py::arg("maximal_crossings") = defaults.maximalCrossings, py::arg("progress") = std::shared_ptr<Progress>(),
+        "Find the whole topology of a VectorField on a thread of its own -> TopologyJob.\n\n"
+        "relative_tolerance: as in fixed_points. tolerance: of one step of a streamline, in mean edge lengths.\n"
+        "band_tolerance: a closed streamline whose neighbours, half an edge away, return to within this part of that\n"
+        "distance stands for a band. maximal_crossings: edges after which a streamline is given up.\n"
+        "The same result for any number of threads. Memory: about MEMORY per face besides the mesh.\n"
+        "result() raises InputError and Cancelled.");
 }
 
 }  // namespace stormfield::bindings

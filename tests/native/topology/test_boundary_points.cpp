@@ -60,12 +60,12 @@ TEST(BoundaryPoints, OfKnownFlowsInADisk) {
   };
   for (const Case& c : {Case{[&](Complex) { return turn; }, 2, 1}, Case{[](Complex z) { return z; }, 0, 0},
                         Case{[&](Complex z) { return turn * std::conj(z); }, 4, 1},
-                        Case{[&](Complex z) { return turn * std::conj(z * z); }, 6, 1},
-                        Case{[](Complex z) { return z * z; }, 2, -1}}) {
+                        Case{[&](Complex z) { return turn * std::conj(z * z); }, 6, 1}}) {
     const auto found = findBoundaryPoints(planar(s, c.flow));
     ASSERT_EQ(found.size(), c.points);
     for (const BoundaryPoint& p : found) EXPECT_EQ(p.halfIndex, c.halfIndex);
   }
+  EXPECT_EQ(halfSum(findBoundaryPoints(planar(s, [](Complex z) { return z * z; }))), -2);
 }
 
 TEST(BoundaryPoints, LieWhereTheFlowIsTangent) {

@@ -1,0 +1,163 @@
+"""The entity connection graph (thesis 2.2.2, 3.2): native Topology → EntityGraph, and its words in JSON.
+
+topology = native.start_topology(field).result()
+graph = entity_graph(topology, mesh, lam=0.5)       # fixed points first, then periodic orbits, as in the topology
+content = topology_json(topology, graph)            # fixed_points, periodic_orbits, separatrices, links, index_sum ...
+"""
+
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from .entities import Entity, EntityGraph, Link, Row
+
+TITLE = "Entity connection graph"
+
+#: Row and first letter of the name by kind. A center and a point without a kind of its own stand with the saddles.
+ROWS: dict[str, tuple[Row, str]] = {
+    "source": ("repelling", "R"),
+    "repelling": ("repelling", "R"),
+    "sink": ("attracting", "A"),
+    "attracting": ("attracting", "A"),
+    "saddle": ("saddle", "S"),
+    "center": ("saddle", "C"),
+    "degenerate": ("saddle", "D"),
+}
+
+
+def entity_graph(topology: Any, mesh: Any, lam: float = 0.0) -> EntityGraph:
+    """Entity i is fixed point i; the periodic orbits follow. Links carry their separatrices in the flow's direction.
+
+    topology: native Topology. mesh: its native TriangleMesh. Strength in 1/s: of a fixed point the square root of
+    |det J|, of an orbit the rate |log multiplier| / period at which neighbours come nearer or leave.
+    """
+    del mesh  # positions are the topology's own
+    count: Counter[str] = Counter()
+    entities: list[Entity] = []
+
+    def add(kind: str, **rest: Any) -> None:
+        row, letter = ROWS[kind]
+        count[letter] += 1
+        entities.append(Entity(id=len(entities), name=f"{letter}{count[letter]}", kind=kind, row=row, **rest))
+
+    for point in topology.fixed_points:
+        add(
+            point.kind,
+            position=np.asarray(point.position),
+            strength=float(np.sqrt(abs(np.linalg.det(point.jacobian)))),
+            info={"index": int(point.index), "rotation": float(point.rotation), "face": int(point.face)},
+        )
+    for orbit in topology.periodic_orbits:
+        curve = np.asarray(orbit.points)
+        add(
+            orbit.kind,
+            position=curve[0],
+            curve=curve,
+            strength=_rate(orbit.multiplier, orbit.period),
+            info={
+                "length": float(orbit.length),
+                "period": float(orbit.period),
+                "multiplier": float(orbit.multiplier),
+                "band": bool(orbit.band),
+            },
+        )
+    curves = [_with_flow(separatrix) for separatrix in topology.separatrices]
+    links = tuple(
+        Link(_number(topology, source), _number(topology, target), tuple(curves[i] for i in separatrices))
+        for source, target, separatrices in topology.links
+    )
+    return EntityGraph(TITLE, tuple(entities), links, lam)
+
+
+def topology_json(topology: Any, graph: EntityGraph) -> dict[str, Any]:
+    """The entities and links of `stormfield analyze` (DESIGN 5). Links name the places of their ends in entities: the
+    fixed points, then the periodic orbits."""
+    points, orbits = topology.fixed_points, topology.periodic_orbits
+    inside = sum(int(point.index) for point in points)
+    boundary = sum(float(point.index) for point in topology.boundary_points)
+    names = [entity.name for entity in graph.entities]
+    return {
+        "fixed_points": [_fixed_point(point, name) for point, name in zip(points, names, strict=False)],
+        "boundary_points": [
+            {"position": _floats(point.position), "face": int(point.face), "index": float(point.index)}
+            for point in topology.boundary_points
+        ],
+        "periodic_orbits": [_orbit(orbit, name) for orbit, name in zip(orbits, names[len(points) :], strict=True)],
+        "separatrices": [_separatrix(topology, separatrix, names) for separatrix in topology.separatrices],
+        "links": [
+            {
+                "source": link.source,
+                "target": link.target,
+                "names": [names[link.source], names[link.target]],
+                "separatrices": list(separatrices),
+            }
+            for link, (_, _, separatrices) in zip(graph.links, topology.links, strict=True)
+        ],
+        "index_sum": inside,
+        "boundary_index_sum": boundary,
+        "zero_regions": {"faces": int(topology.zero_faces), "vertices": int(topology.zero_vertices)},
+    }
+
+
+def _number(topology: Any, entity: tuple[str, int | None]) -> int:
+    """Place among the entities."""
+    kind, index = entity
+    assert index is not None
+    return index if kind == "fixed_point" else len(topology.fixed_points) + index
+
+
+def _rate(multiplier: float, period: float) -> float:
+    return abs(float(np.log(max(multiplier, 1e-300)))) / period if period > 0.0 else 0.0
+
+
+def _with_flow(separatrix: Any) -> np.ndarray:
+    points = np.asarray(separatrix.points)
+    return points if separatrix.outgoing else points[::-1]
+
+
+def _floats(array: Any) -> list[Any]:
+    return np.asarray(array, np.float64).tolist()
+
+
+def _fixed_point(point: Any, name: str) -> dict[str, Any]:
+    return {
+        "name": name,
+        "position": _floats(point.position),
+        "face": int(point.face),
+        "barycentric": _floats(point.barycentric),
+        "kind": str(point.kind),
+        "index": int(point.index),
+        "rotation": float(point.rotation),
+        "jacobian": _floats(point.jacobian),
+        "eigenvalues": [[float(value.real), float(value.imag)] for value in point.eigenvalues],
+        "eigenvectors": [_floats(vector) for vector in point.eigenvectors],
+        "separatrix_directions": [
+            {"direction": _floats(direction), "outgoing": bool(outgoing)}
+            for direction, outgoing in point.separatrix_directions
+        ],
+    }
+
+
+def _orbit(orbit: Any, name: str) -> dict[str, Any]:
+    return {
+        "name": name,
+        "kind": str(orbit.kind),
+        "length": float(orbit.length),
+        "period": float(orbit.period),
+        "multiplier": float(orbit.multiplier),
+        "band": bool(orbit.band),
+        "points": _floats(orbit.points),
+    }
+
+
+def _separatrix(topology: Any, separatrix: Any, names: list[str]) -> dict[str, Any]:
+    kind, index = separatrix.end
+    place = None if index is None else _number(topology, separatrix.end)
+    return {
+        "saddle": int(separatrix.saddle),
+        "outgoing": bool(separatrix.outgoing),
+        "end": {"kind": str(kind), "entity": place, "name": None if place is None else names[place]},
+        "length": float(separatrix.length),
+        "points": _floats(separatrix.points),
+    }
