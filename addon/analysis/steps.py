@@ -44,14 +44,14 @@ def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str) -> Steps[T
     if len(lambdas) < 2:
         raise InputError("the cache has one sample of λ; solve with at least two to see what changes between them")
     surface = native_mesh(mesh)
-    tangents = []
+    tangents = np.empty((len(lambdas), len(mesh.vertices)), np.complex128)
     for index in range(len(lambdas)):
         yield Step(READ * index / len(lambdas), f"Reading sample {index + 1} of {len(lambdas)}")
         sample = cache.sample(index)
         if attribute not in sample:
             raise InputError(f"{cache.folder}: has no {attribute}; solve again")
-        tangents.append(surface.to_tangent(sample[attribute].astype(np.float64)))
-    field = native.ParameterizedField(surface, lambdas, np.stack(tangents))
+        tangents[index] = surface.to_tangent(sample[attribute].astype(np.float64))
+    field = native.ParameterizedField(surface, lambdas, tangents)
     found = yield from result_of(tracking.start(field), READ, "Following fixed points over λ")
     return tracking.from_native(found)
 

@@ -54,9 +54,9 @@ def _filtered(self, _context) -> None:
 class EntityItem(bpy.types.PropertyGroup):
     """One entity; its place in the list is its id."""
 
-    name: StringProperty(name="Name")
-    kind: StringProperty(name="Kind")
-    row: StringProperty(name="Row")
+    name: StringProperty(name="Name", description="Short and unique")
+    kind: StringProperty(name="Kind", description="source, sink, saddle, attracting, creation, ...")
+    row: StringProperty(name="Row", description="Row of the graph; of a bifurcation, the kind that meets the saddle")
     note: StringProperty(name="Note", description="What else there is to say")
     position: FloatVectorProperty(name="Position", description="In object space (mesh units)")
     strength: FloatProperty(name="Strength", description="Rate at which the flow leaves or approaches it (1/s)")
@@ -68,7 +68,7 @@ class EntityItem(bpy.types.PropertyGroup):
 
 
 class EntityList(bpy.types.PropertyGroup):
-    items: CollectionProperty(type=EntityItem)
+    items: CollectionProperty(type=EntityItem, name="Entities", description="In the order of the graph")
     active: IntProperty(name="Selected", description="The entity that list, graph and view show", update=_selected)
     made: BoolProperty(name="Made", description="Whether this analysis was made")
     lam: FloatProperty(name="λ", description="λ that was analyzed (0..1)")
@@ -115,14 +115,14 @@ class EntityList(bpy.types.PropertyGroup):
 
 
 class AnalysisProperties(bpy.types.PropertyGroup):
-    ecg: PointerProperty(type=EntityList)
-    history: PointerProperty(type=EntityList)
-    mcg: PointerProperty(type=EntityList)
+    ecg: PointerProperty(type=EntityList, name="Now", description="Entities of one λ")
+    history: PointerProperty(type=EntityList, name="Over λ", description="Paths and bifurcations")
+    mcg: PointerProperty(type=EntityList, name="Morse", description="Morse sets of one λ")
     shown: EnumProperty(name="Analysis", description="Which analysis is listed and edited", items=LISTS)
     version: IntProperty(name="Version", description="Counts analyses, so that drawings know what is new")
     collection: PointerProperty(type=bpy.types.Collection, name="Results", description="Objects of the analysis")
-    ecg_tree: PointerProperty(type=bpy.types.NodeTree, name="ECG")
-    mcg_tree: PointerProperty(type=bpy.types.NodeTree, name="MCG")
+    ecg_tree: PointerProperty(type=bpy.types.NodeTree, name="ECG", description="Entity connection graph")
+    mcg_tree: PointerProperty(type=bpy.types.NodeTree, name="MCG", description="Morse connection graph")
     markers: StringProperty(name="Markers", description="Timeline markers that belong to this analysis")
     show: BoolProperty(name="Analysis", description="Draw the analysis in the 3D view", default=True)
     show_separatrices: BoolProperty(
