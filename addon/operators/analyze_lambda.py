@@ -7,6 +7,7 @@ from ..convert import analysis_objects, attach, timeline
 from ..convert.current_field import cache_of
 from ..convert.mesh_arrays import read_mesh
 from .analyze import AnalysisOperator
+from .shared import FieldOperator, active_field
 
 
 class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
@@ -43,4 +44,29 @@ class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
         self.report({"INFO"}, told)
 
 
-CLASSES = (STORMFIELD_OT_analyze_lambda,)
+class STORMFIELD_OT_update_markers(FieldOperator, bpy.types.Operator):
+    """Put the timeline markers of bifurcations where the keys of λ are now; your own markers stay"""
+
+    bl_idname = "stormfield.update_markers"
+    bl_label = "Update Timeline Markers"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        obj = active_field(context)
+        if not obj.stormfield.analysis.history.made:
+            cls.poll_message_set("Analyze over λ first")
+            return False
+        if not timeline.is_keyed(obj):
+            cls.poll_message_set("Key λ first: keys say which frame is which λ")
+            return False
+        return True
+
+    def execute(self, context):
+        self.report({"INFO"}, f"{timeline.update_markers(active_field(context))} timeline markers")
+        return {"FINISHED"}
+
+
+CLASSES = (STORMFIELD_OT_analyze_lambda, STORMFIELD_OT_update_markers)

@@ -42,6 +42,8 @@ class STORMFIELD_PT_analysis(FieldPanel, bpy.types.Panel):
         column = row.column(align=True)
         column.operator("stormfield.go_to_entity", text="", icon="ZOOM_SELECTED")
         column.operator("stormfield.show_graph", text="", icon="NODETREE")
+        if analysis.shown == "history":
+            column.operator("stormfield.update_markers", text="", icon="MARKER_HLT")
         column.separator()
         column.operator("stormfield.forget_analysis", text="", icon="X")
         draw_entity(context, layout, obj, analysis.shown)

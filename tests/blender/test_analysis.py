@@ -237,6 +237,14 @@ def test_where_lambda_runs_back_things_happen_backwards(ball, markers):
     assert markers()[0] == (18, "λ 0.83 saddle + sink appear")
 
 
+def test_new_keys_move_the_markers(ball, scene, markers):
+    markers()
+    scene.frame_end = 201
+    bpy.ops.stormfield.key_lambda()
+    assert bpy.ops.stormfield.update_markers() == {"FINISHED"}
+    assert sorted(marker.frame for marker in scene.timeline_markers) == [85, 121, 161, 167]
+
+
 def test_without_keys_there_are_no_markers(ball, markers):
     from stormfield import compat
 
