@@ -4,6 +4,7 @@ Never saved: after a file was opened, Morse Sets makes it again. The slider *Sim
 still, so that dragging stays smooth.
 """
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,9 +20,11 @@ PAUSE = 0.15
 class MorseState:
     found: MorseSets
     attribute: str
+    serial: int
 
 
 _states: dict[str, MorseState] = {}
+_serials = itertools.count(1)
 
 
 def options(settings) -> dict[str, Any]:
@@ -32,11 +35,15 @@ def options(settings) -> dict[str, Any]:
 
 
 def remember(obj: bpy.types.Object, found: MorseSets, attribute: str) -> None:
-    _states[obj.name] = MorseState(found, attribute)
+    state = MorseState(found, attribute, next(_serials))
+    obj.stormfield.analysis.mcg.serial = state.serial
+    _states[obj.name] = state
 
 
 def of(obj: bpy.types.Object) -> MorseState | None:
-    return _states.get(obj.name)
+    """What the shown sets were made from; None where undo or another file has brought others back."""
+    state = _states.get(obj.name)
+    return state if state is not None and state.serial == obj.stormfield.analysis.mcg.serial else None
 
 
 def forget() -> None:

@@ -71,6 +71,7 @@ class EntityList(bpy.types.PropertyGroup):
     items: CollectionProperty(type=EntityItem, name="Entities", description="In the order of the graph")
     active: IntProperty(name="Selected", description="The entity that list, graph and view show", update=_selected)
     made: BoolProperty(name="Made", description="Whether this analysis was made")
+    serial: IntProperty(name="Serial", description="Which work made it, to know it again after undo")
     lam: FloatProperty(name="λ", description="λ that was analyzed (0..1)")
     shown_field: StringProperty(name="Field", description="Attribute that was analyzed")
     strongest: FloatProperty(name="Strongest", description="Greatest strength in the list (1/s)")
