@@ -6,7 +6,8 @@ Pictures: empty (a mesh without field), solved (strokes, fixed points, legend), 
 draw (a curve drawn on the
 surface), monkey (several components and boundaries), panels (the lower half of the sidebar); and of the analysis:
 analyzed (entities, separatrices and the list), graph (the graph editor beside the view, one entity selected),
-paths (fixed points over λ, bifurcations as markers), morse (Morse sets as coloured faces and their graph).
+paths (fixed points over λ, bifurcations as markers), morse (Morse sets as coloured faces and their graph),
+engine and engine_morse (the same for the gas engine, when its data set is in ../shared/data).
 The compiled core is taken from out/build-*, the add-on from this tree.
 """
 
@@ -20,7 +21,6 @@ from mathutils import Euler, Vector
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = os.environ.get("STORMFIELD_SHOT", "solved")
-ANALYSES = {"analyzed", "graph", "paths", "morse"}
 #: Panels that are open in a picture, where not all of the usual ones fit.
 OPENED = {
     "panels": {"Field", "Bake", "Shading", "Look"},
@@ -28,7 +28,10 @@ OPENED = {
     "graph": {"Field", "Analysis"},
     "paths": {"Field", "Analysis"},
     "morse": {"Field", "Analysis", "Morse Sets"},
+    "engine": {"Field", "Analysis"},
+    "engine_morse": {"Field", "Analysis", "Morse Sets"},
 }
+ENGINE = ROOT.parent / "shared" / "data" / "gasEngineV.t"
 SUBDIVISIONS = int(os.environ.get("STORMFIELD_SUBDIVISIONS", "6"))
 
 
@@ -149,7 +152,10 @@ def picture():
             print("solve", bpy.ops.stormfield.solve("EXEC_DEFAULT"))
         return
     if PICTURE in {"analyzed", "graph", "morse"}:
-        weather()
+        analyze(weather(), distance=3.3)
+        return
+    if PICTURE.startswith("engine"):
+        analyze(engine(), distance=2.6)
         return
     from stormfield.presets import storm_merge
 
@@ -197,7 +203,7 @@ WEATHER = (
 
 
 def weather():
-    """A ball with sources, sinks and spirals, analyzed."""
+    """A ball with sources, sinks and spirals, solved."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=SUBDIVISIONS, radius=1.0)
     bpy.ops.object.shade_smooth()
     ball = bpy.context.object
@@ -210,6 +216,37 @@ def weather():
     for element in ball.stormfield.elements:
         element.source.hide_set(True)
     ball.stormfield.solve.samples = 3
+    with view_override():
+        print("solve", bpy.ops.stormfield.solve("EXEC_DEFAULT"))
+    return ball
+
+
+def engine():
+    """The gas engine with its flow as attributes, as large as a unit ball."""
+    from stormfield.readers import read_field
+
+    data = read_field(ENGINE)
+    mesh = bpy.data.meshes.new("Gas Engine")
+    size = abs(data.mesh.vertices).max()
+    mesh.from_pydata((data.mesh.vertices / size).tolist(), [], data.mesh.triangles.tolist())
+    made = bpy.data.objects.new("Gas Engine", mesh)
+    bpy.context.scene.collection.objects.link(made)
+    bpy.context.view_layer.objects.active = made
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.ops.stormfield.add_field()
+    attribute = mesh.attributes.new("sf_advection", "FLOAT_VECTOR", "POINT")
+    attribute.data.foreach_set("vector", (data.vectors[0] / size).astype("float32").ravel())
+    return made
+
+
+def view_override():
+    area = view_area()
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    return bpy.context.temp_override(area=area, region=region)
+
+
+def analyze(ball, distance):
+    """Analyze, and show what the picture is about."""
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     bpy.context.scene.collection.objects.link(camera)
     bpy.context.scene.camera = camera
@@ -219,17 +256,15 @@ def weather():
     look, analysis = ball.stormfield.look, ball.stormfield.analysis
     look.opacity = 0.45
     area = view_area()
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    with bpy.context.temp_override(area=area, region=region):
-        print("solve", bpy.ops.stormfield.solve("EXEC_DEFAULT"))
+    area.spaces.active.region_3d.view_distance = distance
+    with view_override():
         print("analyze", bpy.ops.stormfield.analyze("EXEC_DEFAULT"))
-        if PICTURE == "morse":
-            look.style = "STROKES"
+        if "morse" in PICTURE:
             print("morse", bpy.ops.stormfield.morse_sets("EXEC_DEFAULT"))
             analysis.show_separatrices = False
-        if PICTURE in {"graph", "morse"}:
+        if PICTURE != "analyzed":
             print("graph", bpy.ops.stormfield.show_graph("EXEC_DEFAULT"))
-            area.spaces.active.region_3d.view_distance = 4.1
+            area.spaces.active.region_3d.view_distance *= 1.25
     analysis.show_names = PICTURE == "graph"
     chosen = analysis.list(analysis.shown)
     towards = area.spaces.active.region_3d.view_rotation @ Vector((0.0, 0.2, 1.0))
