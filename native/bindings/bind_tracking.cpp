@@ -2,7 +2,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/job.h"
-#include "topology/tracking.h"
+#include "topology/tracking_persistence.h"
 
 namespace stormfield::bindings {
 namespace {
@@ -151,7 +151,17 @@ void bind_tracking(py::module_& m) {
           "paths", [](const std::shared_ptr<Tracking>& t) { return views(t); },
           "List of TrackedPath, in the order they begin.")
       .def_property_readonly(
-          "bifurcations", [](const Tracking& t) { return t.bifurcations; }, "List of Bifurcation, by lambda.");
+          "bifurcations", [](const Tracking& t) { return t.bifurcations; }, "List of Bifurcation, by lambda.")
+      .def(
+          "persistent",
+          [](const Tracking& t, double minLife, double minStrength) {
+            const py::gil_scoped_release release;
+            return std::make_shared<Tracking>(persistent(t, {minLife, minStrength}));
+          },
+          py::arg("min_life") = 0.0, py::arg("min_strength") = 0.0,
+          "A Tracking without paths that live shorter than min_life (of lambda): pairs go together, folds become one "
+          "path,\n"
+          "so that the sum of indices stays; then without those weaker than min_strength (1/s).");
 
   bindJob<Job<TrackingPointer>>(
       m, "TrackingJob", "Tracking on a thread of its own.",

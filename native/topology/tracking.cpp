@@ -44,18 +44,6 @@ double mean(const std::vector<JetSample>& jets, const Quantity& quantity) {
   return length > 0.0 ? sum / length : quantity(jets.front().jacobian);
 }
 
-/// The kind with the longest share of lambda; of equal ones the first in the order of the kinds.
-FixedPointKind mostly(const std::vector<JetSample>& jets) {
-  std::array<double, 5> share{};
-  share[static_cast<std::size_t>(jets.front().sample.kind)] = 1e-300;
-  for (std::size_t i = 0; i + 1 < jets.size(); ++i) {
-    const double half = 0.5 * (jets[i + 1].sample.lambda - jets[i].sample.lambda);
-    share[static_cast<std::size_t>(jets[i].sample.kind)] += half;
-    share[static_cast<std::size_t>(jets[i + 1].sample.kind)] += half;
-  }
-  return static_cast<FixedPointKind>(std::max_element(share.begin(), share.end()) - share.begin());
-}
-
 PathEnd endOf(Index crossing, Index other) {
   if (crossing == kNone) return PathEnd::Range;
   return other == kNone ? PathEnd::Boundary : PathEnd::Bifurcation;
@@ -64,7 +52,6 @@ PathEnd endOf(Index crossing, Index other) {
 TrackedPath summary(const FaceWay& way, const std::vector<JetSample>& jets) {
   TrackedPath path;
   path.index = way.charge;
-  path.kind = mostly(jets);
   path.begin = endOf(way.begin, way.partner);
   path.end = endOf(way.end, way.rival);
   path.strength = mean(jets, [](const Eigen::Matrix2d& j) { return std::sqrt(std::abs(j.determinant())); });
@@ -72,6 +59,7 @@ TrackedPath summary(const FaceWay& way, const std::vector<JetSample>& jets) {
   for (const JetSample& jet : jets) {
     if (jet.inSample) path.samples.push_back(jet.sample);
   }
+  path.kind = mostly(path.samples);
   return path;
 }
 

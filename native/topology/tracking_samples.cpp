@@ -1,6 +1,7 @@
 #include "topology/tracking_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "topology/zero_search.h"
@@ -14,8 +15,8 @@ constexpr double kInstant = 1e-9;
 /// Ends of an edge are opposed when their cross product is below this part of the product of their lengths.
 constexpr double kOpposed = 1e-12;
 
-/// The zero on the face's boundary, if there is one: the turn along that edge is pi either way, so that the face may hold
-/// the index although the field winds around it only up to round-off.
+/// The zero on the face's boundary, if there is one: the turn along that edge is pi either way, so that the face may
+/// hold the index although the field winds around it only up to round-off.
 std::optional<Eigen::Vector3d> zeroOnBoundary(const FaceInterpolant& local) {
   for (int i = 0; i < 3; ++i) {
     if (local.carried[i] == 0.0) return Eigen::Vector3d::Unit(i);
@@ -35,6 +36,17 @@ std::optional<Eigen::Vector3d> zeroOnBoundary(const FaceInterpolant& local) {
 }
 
 }  // namespace
+
+FixedPointKind mostly(const std::vector<PathSample>& samples) {
+  std::array<double, 5> share{};
+  share[static_cast<std::size_t>(samples.front().kind)] = 1e-300;
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    const double half = 0.5 * (samples[i + 1].lambda - samples[i].lambda);
+    share[static_cast<std::size_t>(samples[i].kind)] += half;
+    share[static_cast<std::size_t>(samples[i + 1].kind)] += half;
+  }
+  return static_cast<FixedPointKind>(std::max_element(share.begin(), share.end()) - share.begin());
+}
 
 WaySampler::WaySampler(const ParameterizedField& field, const std::vector<EdgeCrossing>& crossings,
                        const TrackingOptions& options)

@@ -16,6 +16,9 @@ struct JetSample {
   bool inSample = true;  ///< false for the far side of an edge, which is no point of its own
 };
 
+/// The kind with the longest share of lambda; of equal ones the first in the order of the kinds.
+FixedPointKind mostly(const std::vector<PathSample>& samples);
+
 class WaySampler {
  public:
   WaySampler(const ParameterizedField& field, const std::vector<EdgeCrossing>& crossings,
