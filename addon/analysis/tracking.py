@@ -1,8 +1,7 @@
 """The history of a field's fixed points over λ as plain data: paths and bifurcations (thesis 10.1.4, 11.2.2).
 
-    job = start(field)                       # field: native.ParameterizedField; a job: fraction, done, cancel()
-    ...                                      # poll job.done
-    tracking = from_native(job.result())     # or at once: tracking = track(field)
+    job = start(field)                                     # native.ParameterizedField; job: fraction, done, cancel()
+    tracking = from_native(job.result(), min_life=0.005)   # or at once: tracking = track(field, min_life=0.005)
     for path in tracking.paths: path.positions, path.lambdas, path.kinds
     for event in tracking.bifurcations: event.lam, event.position, event.title
 
@@ -11,7 +10,7 @@ boundary or by an annihilation. No Blender here.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -21,6 +20,8 @@ from .. import native
 Begin = Literal["first", "boundary", "creation"]
 End = Literal["last", "boundary", "annihilation"]
 
+#: Shortest life shown when nothing else is said: what comes and goes within half a percent of λ.
+MIN_LIFE = 0.005
 #: First letters of names, as in the entity connection graph.
 LETTERS = {"source": "R", "sink": "A", "saddle": "S", "center": "C", "degenerate": "D"}
 
@@ -100,25 +101,10 @@ class Tracking:
         """The paths that live at λ."""
         return tuple(path for path in self.paths if path.first <= lam <= path.last)
 
-    def persistent(self, min_life: float = 0.0, min_strength: float = 0.0) -> "Tracking":
-        """Without the paths that live shorter or are weaker. Ids are numbered anew, names stay. A bifurcation stays
-        while one of its paths does, and names those that do."""
-        kept = [path for path in self.paths if path.life >= min_life and path.strength >= min_strength]
-        number = {path.id: i for i, path in enumerate(kept)}
-        left = [
-            (event, tuple(number[path] for path in event.paths if path in number))
-            for event in self.bifurcations
-            if any(path in number for path in event.paths)
-        ]
-        return Tracking(
-            tuple(replace(path, id=i) for i, path in enumerate(kept)),
-            tuple(replace(event, id=i, paths=paths) for i, (event, paths) in enumerate(left)),
-        )
 
-
-def track(field: Any) -> Tracking:
-    """Follows every fixed point of a native ParameterizedField; waits for it."""
-    return from_native(start(field).result())
+def track(field: Any, min_life: float = 0.0, min_strength: float = 0.0) -> Tracking:
+    """Follows every fixed point of a native ParameterizedField; waits for it. See from_native for the filter."""
+    return from_native(start(field).result(), min_life, min_strength)
 
 
 def start(field: Any) -> Any:
@@ -126,8 +112,15 @@ def start(field: Any) -> Any:
     return native.start_tracking(field)
 
 
-def from_native(tracking: Any) -> Tracking:
-    """A native Tracking as plain data."""
+def from_native(tracking: Any, min_life: float = 0.0, min_strength: float = 0.0) -> Tracking:
+    """A native Tracking as plain data, without what lives shorter than min_life (part of λ) or is weaker (1/s).
+
+    Short paths go in pairs, and folds become one path: the sum of indices stays, and every end is still classified.
+    Weak ones are left out; a bifurcation stays while one of its paths does, and names those that do. The native object
+    is not changed: keep it to filter again.
+    """
+    if min_life > 0.0 or min_strength > 0.0:
+        tracking = tracking.persistent(min_life, min_strength)
     return Tracking(
         tuple(_path(i, path) for i, path in enumerate(tracking.paths)),
         tuple(

@@ -35,4 +35,4 @@ def run() -> NoReturn:
     leave(status)
 
 
-from . import analyze, bake, info, morse, solve  # noqa: E402, F401  (each adds its command to the group)
+from . import analyze, bake, info, morse, solve, track  # noqa: E402, F401  (each adds its command to the group)
