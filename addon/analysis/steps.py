@@ -37,8 +37,11 @@ def ecg_steps(mesh: MeshData, values: np.ndarray, lam: float) -> Steps[EntityGra
     return ecg.entity_graph(topology, surface, lam)
 
 
-def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str) -> Steps[Tracking]:
-    """Paths and bifurcations over all samples of a λ cache, which must be of this mesh."""
+def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str, persistence: float = 0.0) -> Steps[Tracking]:
+    """Paths and bifurcations over all samples of a λ cache, which must be of this mesh.
+
+    persistence: paths that live through a shorter part of λ are taken out, and what they interrupt is joined.
+    """
     cache.check_mesh(mesh)
     lambdas = cache.lambdas
     if len(lambdas) < 2:
@@ -53,7 +56,7 @@ def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str) -> Steps[T
         tangents[index] = surface.to_tangent(sample[attribute].astype(np.float64))
     field = native.ParameterizedField(surface, lambdas, tangents)
     found = yield from result_of(tracking.start(field), READ, "Following fixed points over λ")
-    return tracking.from_native(found)
+    return tracking.from_native(found.persistent(min_life=persistence) if persistence > 0 else found)
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
     def start(self, _context, obj):
         mesh = read_mesh(obj)
         self._attribute = obj.stormfield.look.shown_field
-        return tracking_steps(cache_of(obj, mesh), mesh, self._attribute)
+        return tracking_steps(cache_of(obj, mesh), mesh, self._attribute, obj.stormfield.analysis.persistence)
 
     def finish(self, context, obj, tracking):
         hidden = analysis_objects.show_tracking(context.scene, obj, tracking, self._attribute)

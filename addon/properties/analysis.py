@@ -125,6 +125,16 @@ class AnalysisProperties(bpy.types.PropertyGroup):
     ecg_tree: PointerProperty(type=bpy.types.NodeTree, name="ECG", description="Entity connection graph")
     mcg_tree: PointerProperty(type=bpy.types.NodeTree, name="MCG", description="Morse connection graph")
     markers: StringProperty(name="Markers", description="Timeline markers that belong to this analysis")
+    persistence: FloatProperty(
+        name="Persistence",
+        description="Analyze over λ takes out paths that live through a shorter part of λ than this: pairs that appear "
+        "and vanish together go, paths that break for a moment become one (0..1)",
+        subtype="FACTOR",
+        min=0.0,
+        max=1.0,
+        default=0.0,
+        precision=3,
+    )
     show: BoolProperty(name="Analysis", description="Draw the analysis in the 3D view", default=True)
     show_separatrices: BoolProperty(
         name="Separatrices", description="Curves that leave and enter the saddles, at the λ analyzed", default=True

@@ -34,6 +34,10 @@ class STORMFIELD_PT_analysis(FieldPanel, bpy.types.Panel):
             hint(context, layout, STORMFIELD_OT_analyze.why_not(obj) or STORMFIELD_OT_analyze_lambda.why_not(obj))
         layout.row(align=True).prop(analysis, "shown", expand=True)
         entities = analysis.list(analysis.shown)
+        if analysis.shown == "history":
+            row = layout.row()
+            row.use_property_split, row.use_property_decorate = True, False
+            row.prop(analysis, "persistence", slider=True)
         if not entities.made:
             text_lines(context, layout, EMPTY[analysis.shown], icon="INFO")
             return

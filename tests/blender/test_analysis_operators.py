@@ -241,3 +241,19 @@ def test_a_click_hits_the_nearest_entity_in_front(rings, looking):
     assert at(0.0, 0.02) == ("history", 0)
     assert at(0.09, 0.0) == ("history", 1)
     assert at(0.5, 0.0) is None and at(-0.5, 0.5) is None
+
+
+def test_a_smoothed_mesh_shows_the_analysis_of_its_own_vertices(dipole):
+    """Subdivision changes what is seen, not what the field lives on."""
+    from stormfield.ui import analysis_drawing
+
+    dipole.modifiers.new("Smooth", "SUBSURF").levels = 1
+    assert bpy.ops.stormfield.analyze() == {"FINISHED"}
+    assert bpy.ops.stormfield.morse_sets() == {"FINISHED"}
+    assert len(dipole.data.attributes["sf_morse"].data) == len(dipole.data.polygons)
+    evaluated = dipole.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    drawing = analysis_drawing.drawing_of(evaluated)
+    assert len(evaluated.data.vertices) > len(dipole.data.vertices)
+    assert drawing.faces is not None and len(drawing.entities) == 2
+    size = np.linalg.norm([mark.position for mark in drawing.entities], axis=1)
+    assert (size > 0.97).all() and (size < 1.03).all()
