@@ -43,7 +43,8 @@ std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std
   options.persistence = persistence;
   options.keepEmpty = keepEmpty;
   return std::make_shared<Job<MorseOutput>>([mesh = field.mesh, f = field.field, options](Progress& progress) {
-    return MorseOutput{mesh, analyzeMorse(*mesh->flatFaces(), f, options, progress)};
+    const bool traces = options.method != MorseMethod::Geometry;
+    return MorseOutput{mesh, analyzeMorse(traces ? mesh->flatFaces().get() : nullptr, f, options, progress)};
   });
 }
 

@@ -110,14 +110,21 @@ std::vector<double> checkedWeights(const VectorField& field, const std::vector<d
 
 }  // namespace
 
-ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<double>& givenWeights) {
+ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<double>& weights) {
+  Progress progress;
+  return errorBoundedMap(field, weights, progress);
+}
+
+ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<double>& givenWeights, Progress& progress) {
   const TriangleMesh& mesh = field.mesh();
   const std::vector<double> weights = checkedWeights(field, givenWeights);
   const std::vector<char> resting = restingFaces(field);
   ErrorBoundedMap result;
   result.restsFrom.resize(mesh.faceCount());
   std::vector<Row> rows(mesh.faceCount());
+  progress.check();
   tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
+    if (progress.cancelled()) return;
     result.restsFrom[f] = resting[f] != 0 ? 0.0 : restsFromOf(field, weights, f);
     rows[f].add(f, result.restsFrom[f]);
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
@@ -126,6 +133,7 @@ ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<doub
     }
     std::sort(rows[f].edges.begin(), rows[f].edges.begin() + rows[f].count);
   });
+  progress.check();
   DirectedGraph& graph = result.map.graph;
   for (const Row& row : rows) {
     for (int i = 0; i < row.count; ++i) {

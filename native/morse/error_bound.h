@@ -16,6 +16,7 @@
 
 #include <vector>
 
+#include "base/progress.h"
 #include "combinatorial/combinatorial_map.h"
 #include "field/vector_field.h"
 
@@ -33,6 +34,8 @@ struct ErrorBoundedMap {
 /// which the field runs are crossed both ways (they are not transverse: thesis 2.4.2). The same for any number of
 /// threads.
 ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<double>& weights);
+/// Throws Cancelled too.
+ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<double>& weights, Progress& progress);
 
 /// F for all fields within epsilon >= 0.
 CombinatorialMap mapWithin(const ErrorBoundedMap& bounded, double epsilon);

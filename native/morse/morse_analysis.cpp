@@ -55,15 +55,16 @@ void findPersistence(MorseAnalysis& analysis) {
 }
 
 void analyzeGeometry(MorseAnalysis& analysis, const MorseAnalysisOptions& options, Progress& progress) {
-  progress.range(0.0, 0.1);
+  progress.range(0.0, 0.3);
   analysis.seconds.map = timed([&] {
-    analysis.bounded = std::make_shared<const ErrorBoundedMap>(errorBoundedMap(*analysis.field, options.weights));
+    analysis.bounded =
+        std::make_shared<const ErrorBoundedMap>(errorBoundedMap(*analysis.field, options.weights, progress));
     analysis.map = std::make_shared<const CombinatorialMap>(mapWithin(*analysis.bounded, analysis.epsilon));
   });
-  progress.range(0.1, options.persistence ? 0.3 : 1.0);
+  progress.range(0.3, options.persistence ? 0.4 : 1.0);
   analysis.seconds.sets = timed([&] { findSets(analysis, progress); });
   if (!options.persistence) return;
-  progress.range(0.3, 1.0);
+  progress.range(0.4, 1.0);
   analysis.seconds.persistence = timed([&] {
     analysis.levels = std::make_shared<const MergeLevels>(mergeLevels(*analysis.bounded, progress));
     findPersistence(analysis);
@@ -112,7 +113,7 @@ MorseMethod morseMethod(const std::string& word) {
   throw InputError(message("there is no Morse method '", word, "'; choose geometry, tau or spatial"));
 }
 
-MorseAnalysis analyzeMorse(const FlatFaces& faces, const VectorField& field, const MorseAnalysisOptions& options,
+MorseAnalysis analyzeMorse(const FlatFaces* faces, const VectorField& field, const MorseAnalysisOptions& options,
                            Progress& progress) {
   checkEpsilon(options.epsilon);
   MorseAnalysis analysis;
@@ -124,7 +125,8 @@ MorseAnalysis analyzeMorse(const FlatFaces& faces, const VectorField& field, con
     if (options.tau) throw InputError("the method 'geometry' has no tau; leave it out, or choose tau or spatial");
     analyzeGeometry(analysis, options, progress);
   } else {
-    analyzeFlow(analysis, faces, options, progress);
+    if (faces == nullptr) throw InputError("maps of the flow need the faces laid out for tracing; give them");
+    analyzeFlow(analysis, *faces, options, progress);
   }
   return analysis;
 }

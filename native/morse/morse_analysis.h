@@ -1,7 +1,7 @@
 // From a field to its Morse decomposition in one call: the map F of the chosen method, the Morse sets with their
 // indices and order, and for the geometry-based map what an error bound makes of them (thesis 6.2; Figure 6.3).
 //
-//   MorseAnalysis analysis = analyzeMorse(faces, field, {.method = MorseMethod::Tau, .tau = 0.3}, progress);
+//   MorseAnalysis analysis = analyzeMorse(&faces, field, {.method = MorseMethod::Tau, .tau = 0.3}, progress);
 //   analysis.decomposition.sets[0].kind;
 //   MorseAnalysis simpler = within(analysis, 0.05, progress);          // geometry: fields that differ by up to 0.05
 #pragma once
@@ -56,8 +56,9 @@ struct MorseAnalysis {
   } seconds;
 };
 
-/// faces: of the field's mesh; only tau maps use them. Throws InputError for a tau or epsilon that cannot be used.
-MorseAnalysis analyzeMorse(const FlatFaces& faces, const VectorField& field, const MorseAnalysisOptions& options,
+/// faces: of the field's mesh; only the methods Tau and Spatial need them. Throws InputError for a tau or epsilon that
+/// cannot be used, and Cancelled.
+MorseAnalysis analyzeMorse(const FlatFaces* faces, const VectorField& field, const MorseAnalysisOptions& options,
                            Progress& progress);
 
 /// The decomposition that holds for every field within epsilon: that of the same analysis with this epsilon, in the

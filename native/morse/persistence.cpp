@@ -1,6 +1,9 @@
 #include "morse/persistence.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numeric>
@@ -18,8 +21,10 @@ struct Edge {
 
 class Bisection {
  public:
-  Bisection(Index nodes, Index edges, Index never, Progress& progress)
-      : never_(never), progress_(progress), level_(edges, never), number_(nodes, kNone) {}
+  Bisection(Index nodes, std::size_t edges, Index never, Progress& progress)
+      : never_(never), progress_(progress), level_(edges, never), number_(nodes, kNone) {
+    work_ = static_cast<double>(edges) * (std::log2(static_cast<double>(never) + 1.0) + 1.0);
+  }
 
   /// Per edge the rank from which its ends are strongly connected, or never where earlier edges connect them.
   std::vector<Index> run(std::vector<Edge> edges) && {
@@ -32,14 +37,18 @@ class Bisection {
   void solve(Index low, Index high, std::vector<Edge> edges) {
     if (edges.empty()) return;
     progress_.check();
-    progress_.report(static_cast<double>(low) / static_cast<double>(never_));
+    done_ += static_cast<double>(edges.size());
+    progress_.report(done_ / work_);
     if (low == high) {
       for (const Edge& edge : edges) level_[edge.id] = low;
       return;
     }
     const Index middle = low + (high - low) / 2;
     const std::vector<Index> nodes = renumber(edges);
-    const Components parts = stronglyConnectedComponents(graphUpTo(middle, static_cast<Index>(nodes.size()), edges));
+    const DirectedGraph graph = graphUpTo(middle, static_cast<Index>(nodes.size()), edges);
+    progress_.check();
+    const Components parts = stronglyConnectedComponents(graph);
+    progress_.check();
     std::vector<Edge> within, between;
     for (const Edge& edge : edges) {
       const Index from = parts.of[edge.from], to = parts.of[edge.to];
@@ -87,6 +96,7 @@ class Bisection {
   }
 
   Index never_;
+  double done_ = 0.0, work_;  ///< edges looked at, and at most to look at
   Progress& progress_;
   std::vector<Index> level_, number_;
 };
@@ -107,7 +117,8 @@ MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress) {
     }
   }
   std::vector<double> ranks = epsilons;
-  std::sort(ranks.begin(), ranks.end());
+  tbb::parallel_sort(ranks.begin(), ranks.end());
+  progress.check();
   ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
   for (Index node = 0; node < graph.nodeCount(); ++node) {
     for (std::size_t e = graph.offsets[node]; e < graph.offsets[node + 1]; ++e) {
@@ -119,13 +130,14 @@ MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress) {
   }
   const Index never = static_cast<Index>(ranks.size());
   const std::vector<Edge> pairs = edges;
-  Bisection bisection(graph.nodeCount(), static_cast<Index>(edges.size()), never, progress);
+  progress.check();
+  Bisection bisection(graph.nodeCount(), edges.size(), never, progress);
   const std::vector<Index> level = std::move(bisection).run(std::move(edges));
 
   std::vector<Index> byLevel(pairs.size());
   std::iota(byLevel.begin(), byLevel.end(), 0);
-  std::sort(byLevel.begin(), byLevel.end(),
-            [&](Index a, Index b) { return level[a] != level[b] ? level[a] < level[b] : a < b; });
+  tbb::parallel_sort(byLevel.begin(), byLevel.end(),
+                     [&](Index a, Index b) { return level[a] != level[b] ? level[a] < level[b] : a < b; });
   UnionFind joined(graph.nodeCount());
   MergeLevels result;
   for (const Index id : byLevel) {

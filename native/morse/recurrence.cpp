@@ -1,5 +1,7 @@
 #include "morse/recurrence.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 #include "combinatorial/geometry_map.h"
@@ -133,17 +135,17 @@ class Essential {
 std::vector<char> restingFaces(const VectorField& field) {
   const TriangleMesh& mesh = field.mesh();
   const std::vector<int> indices = poincareIndices(field);
-  std::vector<char> resting(indices.begin(), indices.end());
-  for (Index e = 0; e < mesh.edgeCount(); ++e) {
-    const Index h = mesh.edgeHalfedge(e);
-    const auto [tail, head] = endVectors(field, h);
-    const bool zeroEnd = tail == 0.0 || head == 0.0;
-    const bool opposed = tail.imag() == 0.0 && head.imag() == 0.0 && tail.real() * head.real() < 0.0;
-    if (!zeroEnd && !opposed) continue;
-    resting[TriangleMesh::face(h)] = 1;
-    if (mesh.twin(h) != kNone) resting[TriangleMesh::face(mesh.twin(h))] = 1;
-  }
-  for (char& rests : resting) rests = rests != 0 ? 1 : 0;
+  std::vector<char> resting(mesh.faceCount());
+  tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
+    bool rests = indices[f] != 0;
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+      // Both faces see the edge along the same halfedge, so that they agree.
+      const auto [tail, head] = endVectors(field, mesh.edgeHalfedge(mesh.edge(h)));
+      const bool opposed = tail.imag() == 0.0 && head.imag() == 0.0 && tail.real() * head.real() < 0.0;
+      rests = rests || tail == 0.0 || head == 0.0 || opposed;
+    }
+    resting[f] = rests ? 1 : 0;
+  });
   return resting;
 }
 
