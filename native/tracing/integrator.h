@@ -50,7 +50,11 @@ class Integrator {
         return true;
       }
     };
-    bool going = wanted(seed) && place(seed);
+    if (!wanted(seed)) {
+      end_.point = seed;
+      return end_;
+    }
+    bool going = place(seed);
     while (going) {
       going = advance();
       going = wanted(here()) && going;
