@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -158,11 +159,13 @@ Tracking trackFixedPoints(const ParameterizedField& field, const TrackingOptions
   Tracking result;
   result.paths.resize(ways.size());
   std::vector<std::vector<Bifurcation>> events(ways.size());
+  std::atomic<std::size_t> done{0};
   tbb::parallel_for(std::size_t{0}, ways.size(), [&](std::size_t i) {
     if (progress.cancelled()) return;
     const FaceWay& way = ways[i];
     const std::vector<JetSample> jets = sampler.sample(way);
     result.paths[i] = summary(way, jets);
+    progress.report(static_cast<double>(++done) / static_cast<double>(ways.size()));
     if (way.charge < 0) return;
     const auto self = static_cast<Index>(i);
     if (way.partner != kNone) {

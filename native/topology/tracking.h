@@ -10,7 +10,7 @@
 //   const Tracking tracking = trackFixedPoints(field, {}, progress);
 //   for (const TrackedPath& path : tracking.paths) ... path.samples ...
 //
-// Memory beside the result: 24 bytes for each crossing of an edge and 4 for each face.
+// Memory beside the result: about 60 bytes for each crossing of an edge and 8 for each face.
 #pragma once
 
 #include <array>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -15,8 +16,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 /// Signs of products are trusted beyond this part of their size.
 constexpr double kTrusted = 1e-12;
-/// Length of an infinitesimal vector, as part of the largest: its products with others of its kind are still numbers.
-constexpr double kInfinitesimal = 1e-100;
+/// Length of an infinitesimal vector: far below any real one, while products of two are still numbers.
+constexpr double kInfinitesimal = 1e-120;
 /// Edges in one piece of parallel work.
 constexpr Index kBlock = 8192;
 
@@ -170,30 +171,21 @@ std::optional<std::pair<Time, Time>> timesOfTwo(const MovingEdge& edge, double t
 /// The values of one sample with infinitesimal vectors in place of zero ones.
 class Sample {
  public:
-  Sample(const Complex* values, double infinitesimal) : values_(values), infinitesimal_(infinitesimal) {}
-  Complex operator[](Index v) const { return values_[v] == 0.0 ? Complex(infinitesimal_) : values_[v]; }
+  explicit Sample(const Complex* values) : values_(values) {}
+  Complex operator[](Index v) const { return values_[v] == 0.0 ? Complex(kInfinitesimal) : values_[v]; }
 
  private:
   const Complex* values_;
-  double infinitesimal_;
 };
-
-double infinitesimalOf(const ParameterizedField& field) {
-  double largest = 0.0;
-  for (const Complex& value : field.values) {
-    largest = std::max({largest, std::abs(value.real()), std::abs(value.imag())});
-  }
-  return largest > 0.0 ? kInfinitesimal * largest : 1.0;
-}
 
 /// One step of lambda on some of the edges.
 class Step {
  public:
-  Step(const ParameterizedField& field, Index j, double infinitesimal)
+  Step(const ParameterizedField& field, Index j)
       : charts_(*field.charts),
         mesh_(charts_.mesh()),
-        from_(field.sample(j), infinitesimal),
-        to_(field.sample(j + 1), infinitesimal),
+        from_(field.sample(j)),
+        to_(field.sample(j + 1)),
         begin_(field.lambdas[j]),
         end_(field.lambdas[j + 1]) {}
 
@@ -239,14 +231,15 @@ class Step {
 std::vector<EdgeCrossing> edgeCrossings(const ParameterizedField& field, Progress& progress) {
   const Index steps = field.sampleCount() - 1, edges = field.charts->mesh().edgeCount();
   if (steps < 1) return {};
-  const double infinitesimal = infinitesimalOf(field);
   const Index blocks = (edges + kBlock - 1) / kBlock;
   std::vector<std::vector<EdgeCrossing>> pieces(static_cast<std::size_t>(steps) * blocks);
+  std::atomic<std::size_t> done{0};
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
     if (progress.cancelled()) return;
     const Index block = static_cast<Index>(i % blocks);
-    const Step step(field, static_cast<Index>(i / blocks), infinitesimal);
+    const Step step(field, static_cast<Index>(i / blocks));
     pieces[i] = step.crossings(block * kBlock, std::min(edges, (block + 1) * kBlock));
+    progress.report(static_cast<double>(++done) / static_cast<double>(pieces.size()));
   });
   progress.check();
 
@@ -267,14 +260,17 @@ std::vector<EdgeCrossing> edgeCrossings(const ParameterizedField& field, Progres
   std::size_t count = 0;
   for (const auto& step : sorted) count += step.size();
   result.reserve(count);
-  for (const auto& step : sorted) result.insert(result.end(), step.begin(), step.end());
+  for (auto& step : sorted) {
+    result.insert(result.end(), step.begin(), step.end());
+    step = {};
+  }
   return result;
 }
 
 std::vector<int> firstIndices(const ParameterizedField& field) {
   const VertexCharts& charts = *field.charts;
   const TriangleMesh& mesh = charts.mesh();
-  const Sample values(field.sample(0), infinitesimalOf(field));
+  const Sample values(field.sample(0));
   std::vector<int> indices(mesh.faceCount());
   tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
     double turn = 0.0;
