@@ -75,10 +75,12 @@ std::vector<EntityLink> connectionGraph(const Topology& topology, const Connecti
   for (const auto& node : evidence.nodes) {
     if (graph.nodeReached(node.node)) continue;
     const EntityRef self{EntityKind::FixedPoint, node.node}, other = end(node.journey).entity;
-    if (topology.fixedPoints[node.node].kind == FixedPointKind::Center) continue;
-    const bool onward = topology.fixedPoints[node.node].kind != FixedPointKind::Sink;
-    if (onward) graph.link(self, other);
-    if (!onward) graph.link(other, self);
+    // A center inside its band is linked to nothing.
+    if (other.kind == EntityKind::PeriodicOrbit && topology.periodicOrbits[other.index].kind == OrbitKind::Center) {
+      continue;
+    }
+    if (node.onward) graph.link(self, other);
+    if (!node.onward) graph.link(other, self);
   }
   return graph.links();
 }

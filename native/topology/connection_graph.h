@@ -17,6 +17,7 @@ struct ConnectionEvidence {
   };
   struct NodeJourney {
     Index node;
+    bool onward;  ///< the journey goes with the flow
     std::size_t journey;
   };
   struct SideJourney {

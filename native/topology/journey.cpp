@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace stormfield {
+namespace {
+
+/// Steps inside one face after which a streamline will not leave it.
+constexpr int kIdleSteps = 5000;
+
+}  // namespace
 
 Destinations::Destinations(const TriangleMesh& mesh, const std::vector<FixedPoint>& points,
                            const std::vector<NodeBasin>& basins)
@@ -98,7 +104,7 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
   const TriangleMesh& mesh = faces.mesh();
   state = State::Going;
   bool first = true;
-  int sinceCheck = 0;
+  int sinceCheck = 0, idle = 0;
   const TraceEnd trace = walk.run(at, [&](const SurfacePoint& p, double time, const Passage& passage) {
     at = p;
     if (progress != nullptr && ++sinceCheck % 1024 == 0) progress->check();
@@ -122,7 +128,12 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
       part_ = partOf[p.face];
       visits_.clear();
     }
-    if (!passage) return true;
+    if (!passage) {
+      // Around a focus that is too weak to end anything.
+      if (++idle > kIdleSteps) arrive({destinations.restingAt(mesh, p), 0});
+      return idle <= kIdleSteps;
+    }
+    idle = 0;
     ++crossings_;
     if (const auto arrival = destinations.orbitBeyond(passage, direction)) {
       arrive(*arrival);

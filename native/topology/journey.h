@@ -78,6 +78,12 @@ class Journey {
               const TopologyOptions& options, const Progress* progress);
   /// The candidate led nowhere: come back only after twice as many returns.
   void doubt() { returnsWanted_ *= 2; }
+  /// On from another point of the same slow spiral.
+  void skipTo(const SurfacePoint& p) {
+    at = p;
+    visits_.clear();
+    returnsWanted_ = 2;
+  }
   /// Someone else's candidate is looked at first.
   void wait() { ++returnsWanted_; }
   void arrive(const Destinations::Arrival& arrival) {

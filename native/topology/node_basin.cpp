@@ -92,19 +92,23 @@ void addDisks(const VectorField& field, const FixedPoint& p, NodeBasin& basin) {
 
 NodeBasin nodeBasin(const VectorField& field, const FixedPoint& p) {
   NodeBasin basin;
-  basin.forward = p.kind == FixedPointKind::Sink || p.kind == FixedPointKind::Degenerate;
-  basin.backward = p.kind == FixedPointKind::Source || p.kind == FixedPointKind::Degenerate;
+  if (p.index <= 0) return basin;
+  const bool degenerate = p.kind == FixedPointKind::Degenerate;
+  // A center's trace decides where it is more than round-off.
+  const double growth = p.jacobian.trace(), least = 1e-9 * p.jacobian.norm();
+  basin.forward = degenerate || growth < -least;
+  basin.backward = degenerate || growth > least;
   const bool inFace = p.point.barycentric.minCoeff() > 1e-6;
-  const bool simple = p.kind != FixedPointKind::Degenerate;
-  if (!inFace || !simple) {
+  if (!inFace || degenerate) {
     addDisks(field, p, basin);
-    if (p.kind == FixedPointKind::Center) basin.parts.clear();
     return basin;
   }
   const FaceInterpolant local = faceInterpolant(field, p.point.face);
   const Complex centre = local.point(p.point.barycentric);
   if (p.kind == FixedPointKind::Center) {
-    const Touch touch = firstTouch(local, centre, keptMetric(p.jacobian));
+    const Eigen::Matrix2d metric = keptMetric(p.jacobian);
+    const Touch touch = firstTouch(local, centre, metric);
+    basin.parts = {{p.point.face, centre, metric / (0.998 * touch.level)}};
     const Complex side = local.corners[(touch.side + 1) % 3] - local.corners[touch.side];
     const double along = ((touch.point - local.corners[touch.side]) / side).real();
     const double moved = std::clamp(along + (along < 0.5 ? 0.05 : -0.05), 0.05, 0.95);

@@ -30,8 +30,8 @@ struct NodeBasin {
   SurfacePoint seed;  ///< near the point, on the other streamlines
 };
 
-/// Of a fixed point with positive index. Around a center nothing ends, and the seed is where closed streamlines first
-/// leave its face.
+/// Empty for a fixed point of negative index. A center that is a weak focus in truth keeps what comes into its face;
+/// the seed of a center is where streamlines around it first leave the face.
 NodeBasin nodeBasin(const VectorField& field, const FixedPoint& p);
 
 }  // namespace stormfield

@@ -11,7 +11,9 @@ namespace {
 // All in mean edge lengths.
 constexpr double kClosed = 1e-9;      ///< a streamline that comes back so near is the orbit
 constexpr double kConverged = 1e-11;  ///< width of the last bracket
+constexpr double kNearLimit = 1e-4;   ///< as near as this to the end of what returns, the search is given up
 constexpr double kJump = 1e-5;        ///< a return map that jumps by more has no fixed point there
+constexpr double kSlow = 0.02;        ///< of one turn that moves so little, nothing is lost by leaving some out
 constexpr double kNearest = 0.01;     ///< first distance at which an orbit's sides are looked at
 constexpr double kBand = 0.5;         ///< distance at which a band of closed streamlines shows
 /// Edges in a row with the candidate's own that are searched, and around an orbit's best section.
@@ -38,32 +40,36 @@ ReturnMap OrbitSearch::map(Direction direction, const Section& section, int loop
   return {walk, section, loops, partOf_, part, allowedCrossings(crossings)};
 }
 
-std::optional<FoundOrbit> OrbitSearch::follow(const Candidate& candidate) const {
+OrbitSearch::Outcome OrbitSearch::follow(const Candidate& candidate) const {
   const Section section(field_, candidate.halfedge, kBeyond);
   const auto own = std::find(section.halfedges().begin(), section.halfedges().end(), candidate.halfedge);
   const double start = section.at(static_cast<std::size_t>(own - section.halfedges().begin()), candidate.fraction);
   ReturnMap returns = map(candidate.direction, section, candidate.loops, candidate.part, candidate.crossings);
-  const auto position = fixedPosition(returns, start);
-  if (!position) return std::nullopt;
-  auto found = describe(candidate, section, *position);
-  if (found) {
-    found->side = start < *position ? 0 : 1;
-    found->found = {section, *position, std::min(start, *position), std::max(start, *position)};
+  const March way = march(returns, start);
+  if (!way.fixed) {
+    const bool slow = way.largest <= kSlow * edge_ && std::abs(way.reached - start) > 4.0 * way.largest;
+    if (!slow) return {};
+    return {std::nullopt, section.point(field_.mesh(), way.reached, candidate.direction)};
   }
-  return found;
+  auto found = describe(candidate, section, *way.fixed);
+  if (found) {
+    found->side = start < *way.fixed ? 0 : 1;
+    found->found = {section, *way.fixed, std::min(start, *way.fixed), std::max(start, *way.fixed)};
+  }
+  return {std::move(found), std::nullopt};
 }
 
-/// Marches from the start the way the streamline moves, with secant steps that mean to overshoot a little, until the
+/// From the start the way the streamline moves, with secant steps that mean to overshoot a little, until the
 /// displacement changes its sign.
-std::optional<double> OrbitSearch::fixedPosition(ReturnMap& returns, double start) const {
+OrbitSearch::March OrbitSearch::march(ReturnMap& returns, double start) const {
   const double low = returns.section().low() + 1e-9 * edge_, high = returns.section().high() - 1e-9 * edge_;
   const auto displacement = [&](double s) -> std::optional<double> {
     const auto back = returns(s);
     return back ? std::optional(back->position - s) : std::nullopt;
   };
   const auto first = displacement(start);
-  if (!first) return std::nullopt;
-  if (std::abs(*first) <= kClosed * edge_) return start;
+  if (!first) return {std::nullopt, start, 0.0};
+  if (std::abs(*first) <= kClosed * edge_) return {start, start, 0.0};
   const double sign = *first > 0.0 ? 1.0 : -1.0;
 
   // Closed but for a drift that is as small half an edge away: inside a band.
@@ -73,27 +79,29 @@ std::optional<double> OrbitSearch::fixedPosition(ReturnMap& returns, double star
       const auto d = s > low && s < high ? displacement(s) : std::nullopt;
       return d && std::abs(*d) <= drift;
     };
-    if (isClosed(start + kBand * edge_) && isClosed(start - kBand * edge_)) return start;
+    if (isClosed(start + kBand * edge_) && isClosed(start - kBand * edge_)) return {start, start, 0.0};
   }
 
+  double limit = sign > 0.0 ? high : low;  // streamlines return as far as here, as far as is known
   double a = start, atA = *first, b = std::clamp(a + atA, low, high);
-  for (int step = 0; step < 40; ++step) {
-    if (sign * (b - a) < kConverged * edge_) return std::nullopt;  // at the end of the section
-    auto atB = displacement(b);
-    for (int cut = 0; !atB && cut < 8; ++cut) {
+  double largest = std::abs(atA);
+  for (int step = 0; step < 40 && sign * (limit - a) > kNearLimit * edge_; ++step) {
+    const auto atB = displacement(b);
+    if (!atB) {
+      limit = b;
       b = 0.5 * (a + b);
-      atB = displacement(b);
+      continue;
     }
-    if (!atB) return std::nullopt;
-    if (sign * *atB <= 0.0) return solve(returns, a, atA, b, *atB);
+    if (sign * *atB <= 0.0) return {solve(returns, a, atA, b, *atB), a, largest};
     const double slope = (*atB - atA) / (b - a);
     double reach = 3.0 * std::abs(b - a);
     if (slope < 0.0) reach = std::min(1.25 * std::abs(*atB / slope) + 10.0 * kConverged * edge_, 20.0 * reach);
     a = b;
     atA = *atB;
-    b = std::clamp(a + sign * reach, low, high);
+    largest = std::max(largest, std::abs(atA));
+    b = sign > 0.0 ? std::min(a + reach, limit) : std::max(a - reach, limit);
   }
-  return std::nullopt;
+  return {std::nullopt, a, largest};
 }
 
 /// The zero of the displacement between a and b by the rule of false position (Illinois), with bisection now and then.

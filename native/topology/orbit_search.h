@@ -54,8 +54,14 @@ class OrbitSearch {
   OrbitSearch(const FlatFaces& faces, const VectorField& field, const std::vector<Index>& partOf,
               const OrbitSearchOptions& options);
 
+  struct Outcome {
+    std::optional<FoundOrbit> orbit;
+    /// Without one: where the streamline comes to on its way past the section, if it winds so slowly (less than 1/50 of
+    /// an edge per turn) that the windings in between say nothing.
+    std::optional<SurfacePoint> onward;
+  };
   /// The orbit that the streamline comes to, if it crosses the candidate's edge or the edges in a row with it.
-  std::optional<FoundOrbit> follow(const Candidate& candidate) const;
+  Outcome follow(const Candidate& candidate) const;
   /// Whether the streamline through a point of an edge closes but for this part of the mean edge length.
   bool closes(Index halfedge, double fraction, Index part, Index crossings, double tolerance,
               std::vector<Index>* crossedFaces) const;
@@ -68,7 +74,12 @@ class OrbitSearch {
   };
 
   ReturnMap map(Direction direction, const Section& section, int loops, Index part, Index crossings) const;
-  std::optional<double> fixedPosition(ReturnMap& map, double start) const;
+  struct March {
+    std::optional<double> fixed;  ///< position of the orbit
+    double reached = 0.0;         ///< else, the last position from which streamlines return
+    double largest = 0.0;         ///< the largest displacement on the way there
+  };
+  March march(ReturnMap& map, double start) const;
   std::optional<double> solve(ReturnMap& map, double a, double atA, double b, double atB) const;
   Side look(ReturnMap& forward, ReturnMap& backward, double position, double sign) const;
   std::optional<FoundOrbit> describe(const Candidate& candidate, const Section& section, double position) const;

@@ -42,6 +42,8 @@ class ReturnMap {
   Index maximalCrossings() const { return maximalCrossings_; }
 
  private:
+  static constexpr int kIdleSteps = 500;
+
   FlowWalk walk_;
   const Section* section_;
   int loops_;
@@ -56,6 +58,7 @@ std::optional<Return> ReturnMap::run(double position, Visit&& visit) {
   std::optional<Return> result;
   int left = loops_;
   Index crossings = 0;
+  int idle = 0;
   bool started = false;
   const auto end = walk_.run(section_->point(mesh, position, walk_.direction()),
                              [&](const SurfacePoint& p, double time, const Passage& passage) {
@@ -63,7 +66,10 @@ std::optional<Return> ReturnMap::run(double position, Visit&& visit) {
                                // Starting at a vertex is a passage of its own, within no time to speak of.
                                const bool leaving = !started;
                                started = started || passage || time > 0.0;
+                               // Inside a face for good: around a focus.
+                               if (!passage && ++idle > kIdleSteps) return false;
                                if (leaving || !passage) return true;
+                               idle = 0;
                                if ((*partOf_)[p.face] != part_ || ++crossings > maximalCrossings_) return false;
                                const auto at = section_->at(mesh, passage);
                                if (at && --left == 0) result = Return{*at, time, 0.0, crossings};

@@ -117,8 +117,8 @@ class Search {
     for (std::size_t i = 0; i < result_.fixedPoints.size(); ++i) {
       const FixedPoint& p = result_.fixedPoints[i];
       if (p.index <= 0) continue;
-      const Direction direction = p.kind == FixedPointKind::Sink ? Direction::Backward : Direction::Forward;
-      graph_.nodes.push_back({static_cast<Index>(i), add(basins_[i].seed, direction)});
+      const Direction direction = basins_[i].forward && !basins_[i].backward ? Direction::Backward : Direction::Forward;
+      graph_.nodes.push_back({static_cast<Index>(i), direction == Direction::Forward, add(basins_[i].seed, direction)});
     }
     for (const BoundaryPoint& p : result_.boundaryPoints) {
       if (p.halfIndex >= 0) continue;
@@ -180,14 +180,16 @@ class Search {
         journey.wait();
       }
     }
-    std::vector<std::optional<FoundOrbit>> found(chosen.size());
+    std::vector<OrbitSearch::Outcome> found(chosen.size());
     tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
       if (progress_ != nullptr) progress_->check();
       found[i] = orbitSearch_->follow(journeys_[chosen[i]].candidate);
     });
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-      if (found[i]) {
-        accept(chosen[i], std::move(*found[i]));
+      if (found[i].orbit) {
+        accept(chosen[i], std::move(*found[i].orbit));
+      } else if (found[i].onward) {
+        journeys_[chosen[i]].skipTo(*found[i].onward);
       } else {
         journeys_[chosen[i]].doubt();
       }

@@ -80,7 +80,7 @@ struct TopologyOptions {
   /// distance belongs to a band of closed streamlines.
   double bandTolerance = 1e-3;
   /// Edge crossings after which a streamline is given up.
-  Index maximalCrossings = 2000000;
+  Index maximalCrossings = 500000;
 };
 
 /// The same for any number of threads. Reversing the field swaps kinds and directions and nothing else.
