@@ -1,0 +1,103 @@
+#include "morse/flow_mover.h"
+
+#include <cmath>
+
+#include "base/message.h"
+#include "morse/unit_speed_flow.h"
+#include "tracing/integrator.h"
+
+namespace stormfield {
+namespace {
+
+/// Part of the speed around a vertex below which the flow is no longer of unit speed.
+constexpr double kSlow = 0.02;
+
+template <typename Flow>
+class FlowMover final : public Mover {
+ public:
+  FlowMover(const FlatFaces& faces, const Flow& flow, const TraceOptions& options, const Progress* progress)
+      : integrator_(faces, flow, options, 0.0), progress_(progress) {}
+
+  Arrival move(const SurfacePoint& from, double tau) override {
+    const TraceEnd end = integrator_.run(from, 0.0, tau, [&](const SurfacePoint&, double) { look(); });
+    return {end.point, end.reason == StopReason::Boundary};
+  }
+
+  std::vector<Passage> way(const SurfacePoint& from, double tau) override {
+    std::vector<Passage> passages;
+    integrator_.run(from, 0.0, tau, [&](const SurfacePoint& p, double time) {
+      look();
+      passages.push_back({p, time});
+    });
+    return passages;
+  }
+
+ private:
+  void look() {
+    if (progress_ != nullptr && (++steps_ & 1023) == 0) progress_->check();
+  }
+
+  Integrator<Flow> integrator_;
+  const Progress* progress_;
+  unsigned steps_ = 0;
+};
+
+/// Whether a boundary halfedge is crossed outwards: the field along it is the blend of its two end vectors.
+bool crossedOutwards(const FlatFaces& faces, const VectorField& field, Index h) {
+  const FlatFace& face = faces[TriangleMesh::face(h)];
+  const int i = TriangleMesh::corner(h);
+  const auto value = [&](int corner) { return field.values[face.vertex(corner)]; };
+  const CarriedVectors vectors = face.carry(value(0), value(1), value(2));
+  const Complex side = face.corner((i + 1) % 3) - face.corner(i);
+  for (const double s : {1e-6, 0.5, 1.0 - 1e-6}) {
+    const Complex v = face.evaluate(vectors, face.corner(i) + s * side);
+    if ((std::conj(side) * v).imag() < 0.0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<double> slowSpeeds(const VectorField& field) {
+  const TriangleMesh& mesh = field.mesh();
+  std::vector<double> sum(field.values.size(), 0.0), weight(field.values.size(), 0.0);
+  for (Index f = 0; f < mesh.faceCount(); ++f) {
+    double mean = 0.0;
+    for (int i = 0; i < 3; ++i) mean += std::abs(field.values[mesh.vertex(f, i)]) / 3.0;
+    for (int i = 0; i < 3; ++i) {
+      sum[mesh.vertex(f, i)] += mesh.faceArea(f) * mean;
+      weight[mesh.vertex(f, i)] += mesh.faceArea(f);
+    }
+  }
+  for (std::size_t v = 0; v < sum.size(); ++v) sum[v] = weight[v] > 0.0 ? kSlow * sum[v] / weight[v] : 0.0;
+  return sum;
+}
+
+TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit, double tolerance)
+    : faces_(&faces), field_(&field), unit_(unit), tolerance_(tolerance), flowsOut_(mesh().halfedgeCount(), 0) {
+  if (field.values.size() != static_cast<std::size_t>(mesh().vertexCount())) {
+    throw InputError("the field of the tau map belongs to another mesh");
+  }
+  for (std::size_t v = 0; v < field.values.size(); ++v) {
+    if (std::isfinite(field.values[v].real()) && std::isfinite(field.values[v].imag())) continue;
+    throw InputError(message("the vector at vertex ", v, " is not finite; give it a value"));
+  }
+  checkOptions({.tolerance = tolerance});
+  if (unit == TauUnit::Length) slowSpeeds_ = slowSpeeds(field);
+  for (Index h = 0; h < mesh().halfedgeCount(); ++h) {
+    flowsOut_[h] = mesh().twin(h) == kNone && crossedOutwards(faces, field, h);
+  }
+}
+
+std::unique_ptr<Mover> TauFlow::mover(Direction direction, const Progress* progress) const {
+  const double rate = direction == Direction::Backward ? -1.0 : 1.0;
+  const TraceOptions options{
+      .direction = direction, .tolerance = tolerance_, .maximalSteps = std::numeric_limits<Index>::max()};
+  if (unit_ == TauUnit::Time) {
+    return std::make_unique<FlowMover<SteadyFlow>>(*faces_, SteadyFlow(field_->values.data(), rate), options, progress);
+  }
+  return std::make_unique<FlowMover<UnitSpeedFlow>>(
+      *faces_, UnitSpeedFlow(field_->values.data(), slowSpeeds_.data(), rate), options, progress);
+}
+
+}  // namespace stormfield

@@ -1,0 +1,58 @@
+// Moving points along a flow for a given tau: the map phi(tau, x) behind tau maps (thesis 6.3).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/progress.h"
+#include "morse/tau_map.h"
+#include "tracing/trace.h"
+
+namespace stormfield {
+
+/// Where a point has come to.
+struct Arrival {
+  SurfacePoint point;
+  bool left = false;  ///< the boundary stopped it, at point, before tau was over
+};
+
+/// A point on the way, and how much of tau it took to get there.
+struct Passage {
+  SurfacePoint point;
+  double tau;
+};
+
+/// Moves one point at a time; one mover per thread.
+class Mover {
+ public:
+  virtual ~Mover() = default;
+  virtual Arrival move(const SurfacePoint& from, double tau) = 0;
+  /// All points where the trajectory enters a face or a step of the integrator ends, from the first to the last.
+  virtual std::vector<Passage> way(const SurfacePoint& from, double tau) = 0;
+};
+
+/// The flow of a field in time or arc length, prepared once for many movers. The faces and the field must outlive it.
+class TauFlow {
+ public:
+  /// Throws InputError for a field of another mesh or with values that are not finite.
+  TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit, double tolerance);
+
+  const FlatFaces& faces() const { return *faces_; }
+  const TriangleMesh& mesh() const { return faces_->mesh(); }
+  const VectorField& field() const { return *field_; }
+  TauUnit unit() const { return unit_; }
+  /// Movers look at the progress now and then and throw Cancelled.
+  std::unique_ptr<Mover> mover(Direction direction, const Progress* progress) const;
+  /// Whether the field points out of the surface somewhere on a boundary halfedge.
+  bool flowsOut(Index h) const { return flowsOut_[h] != 0; }
+
+ private:
+  const FlatFaces* faces_;
+  const VectorField* field_;
+  TauUnit unit_;
+  double tolerance_;
+  std::vector<double> slowSpeeds_;
+  std::vector<char> flowsOut_;
+};
+
+}  // namespace stormfield
