@@ -6,12 +6,28 @@ The format follows the ending of the path (png, pdf, svg). Everything raises Inp
 ending is unknown or the file cannot be written.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .entities import EntityGraph
+from .. import native
+from ..model.errors import InputError
+from .entities import KIND_COLOURS, EntityGraph
+from .surface_panel import SurfacePanel
+from .view import choose_views
+
+#: Distance between streamlines, as a part of the surface's size.
+DENSITY = 0.022
+#: Inches of one view, and of the graph.
+VIEW, GRAPH = 6.0, 5.5
+DPI = 180
+#: Names are written into graphs of so many entities at most, and onto surfaces.
+MOST_NAMES, MOST_LABELS = 60, 40
+#: Kinds in the order of the legend: key, colour, what it says, whether it is a curve.
+POINTS = ("source", "sink", "saddle", "center", "degenerate")
+SETS = {"source": "repelling set", "sink": "attracting set", "saddle": "saddle-like set", "trivial": "trivial set"}
 
 
 def draw_analysis(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGraph) -> None:
@@ -19,7 +35,25 @@ def draw_analysis(path: str | Path, mesh: Any, vectors: np.ndarray, graph: Entit
 
     mesh: native TriangleMesh. vectors: (n, 3) at its vertices, mesh units per second. graph: of the same field.
     """
-    raise NotImplementedError
+    check(path)
+    panels, figure, axis = _page(mesh, graph)
+    lines = _streamlines(mesh, vectors, topology=True)
+    separatrices = _separatrices(graph)
+    for panel in panels:
+        panel.draw_surface(np.full((mesh.face_count, 3), 0.96))
+        panel.draw_streamlines(lines, "0.35")
+        for colour, curves in separatrices.items():
+            panel.draw_curves(curves, KIND_COLOURS[colour], 1.3)
+        for entity in graph.entities:
+            if entity.curve is not None:
+                panel.draw_curves([entity.curve], KIND_COLOURS[entity.kind], 2.4)
+        points = [entity for entity in graph.entities if entity.curve is None]
+        panel.draw_points(np.array([e.position for e in points]), [KIND_COLOURS[e.kind] for e in points])
+        if len(graph.entities) <= MOST_LABELS:
+            panel.draw_labels(np.array([e.position for e in graph.entities]), [e.name for e in graph.entities])
+    _draw_graph(axis, graph)
+    _legend(figure, graph, lines=bool(separatrices))
+    _save(figure, path)
 
 
 def draw_morse(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGraph, face_sets: np.ndarray) -> None:
@@ -27,13 +61,211 @@ def draw_morse(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGr
 
     face_sets: (m,) int32, per face the Morse set it belongs to (id in graph.entities), -1 for none.
     """
-    raise NotImplementedError
+    check(path)
+    panels, figure, axis = _page(mesh, graph)
+    lines = _streamlines(mesh, vectors, topology=False)
+    colours = np.full((mesh.face_count, 3), 0.96)
+    table = np.array([KIND_COLOURS[entity.kind] for entity in graph.entities]).reshape(-1, 3)
+    inside = np.asarray(face_sets) >= 0
+    colours[inside] = table[np.asarray(face_sets)[inside]]
+    for panel in panels:
+        panel.draw_surface(colours)
+        panel.draw_streamlines(lines, "0.25")
+        places = [entity for entity in graph.entities if entity.faces is not None]
+        panel.draw_points(np.array([e.position for e in places]), [KIND_COLOURS[e.kind] for e in places], size=12.0)
+        if len(graph.entities) <= MOST_LABELS:
+            panel.draw_labels(np.array([e.position for e in graph.entities]), [e.name for e in graph.entities])
+    _draw_graph(axis, graph)
+    _legend(figure, graph, sets=True)
+    _save(figure, path)
 
 
 def draw_tracking(path: str | Path, mesh: Any, tracking: Any) -> None:
     """The paths of the fixed points over λ, coloured by λ, with bifurcations, beside their life spans.
 
-    tracking.paths: each with kind (str) and samples (k, 4) of λ, x, y, z. tracking.bifurcations: each with lam,
-    position (3,) and kind.
+    tracking: a Tracking (analysis/tracking.py), best filtered by persistence.
     """
-    raise NotImplementedError
+    check(path)
+    panels, figure, axis = _page(mesh, None)
+    import matplotlib
+
+    colour_of = matplotlib.colormaps["viridis"]
+    for panel in panels:
+        panel.draw_surface(np.full((mesh.face_count, 3), 0.96))
+        for track in tracking.paths:
+            panel.draw_coloured_path(track.positions, track.lambdas, colour_of)
+        events = [event for event in tracking.bifurcations if event.kind != "hopf"]
+        panel.draw_points(np.array([e.position for e in events]), [(1.0, 1.0, 1.0)] * len(events), size=22.0)
+        ends = [track for track in tracking.paths if track.end in ("last", "boundary")]
+        panel.draw_points(np.array([t.positions[-1] for t in ends]), [KIND_COLOURS[t.kind] for t in ends], size=22.0)
+        if len(tracking.paths) <= MOST_LABELS:
+            middles = np.array([track.positions[len(track.positions) // 2] for track in tracking.paths])
+            panel.draw_labels(middles, [track.name for track in tracking.paths])
+    _draw_lives(axis, tracking)
+    bar = figure.colorbar(
+        matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(0.0, 1.0), colour_of),
+        ax=[panel.axis for panel in panels], orientation="horizontal", fraction=0.035, pad=0.02, aspect=50,
+    )  # fmt: skip
+    bar.set_label("λ")
+    _save(figure, path)
+
+
+def check(path: str | Path) -> None:
+    """Raises InputError when nothing could be drawn: call it before the long work."""
+    try:
+        import matplotlib
+        import matplotlib.figure
+    except ImportError:
+        raise InputError(
+            "pictures are drawn by matplotlib, which is missing: install it (pip install 'stormfield[image]')"
+        ) from None
+    known = sorted(matplotlib.figure.Figure().canvas.get_supported_filetypes())
+    if Path(path).suffix.lower().lstrip(".") not in known:
+        raise InputError(f"{path}: no picture has this ending; choose one of {', '.join(known)}")
+    if not Path(path).resolve().parent.is_dir():
+        raise InputError(f"{path}: the folder is missing; make it first")
+
+
+def _page(mesh: Any, graph: EntityGraph | None) -> tuple[list[SurfacePanel], Any, Any]:
+    """One panel per view and an axis for the graph, wide enough for its longest row."""
+    from matplotlib.figure import Figure
+
+    views = choose_views(mesh)
+    widths = [1.8 * VIEW if view.is_map else VIEW for view in views]
+    entities = len(graph.entities) if graph is not None else 0
+    beside = GRAPH + 0.07 * min(60, max(0, entities - 20))
+    figure = Figure(figsize=(sum(widths) + beside, VIEW + 0.5), dpi=DPI, layout="constrained")
+    axes = figure.subplots(1, len(views) + 1, width_ratios=[*widths, beside])
+    panels = [SurfacePanel(axis, mesh, view) for axis, view in zip(axes, views, strict=False)]
+    return panels, figure, axes[-1]
+
+
+def _streamlines(mesh: Any, vectors: np.ndarray, topology: bool) -> Any:
+    field = native.VectorField.from_space(mesh, np.ascontiguousarray(vectors, np.float64))
+    return native.start_evenly_spaced_streamlines(field, DENSITY * mesh.size, topology=topology).result()
+
+
+def _separatrices(graph: EntityGraph) -> dict[str, list[np.ndarray]]:
+    """Those that leave saddles in the colour of what attracts them, those that enter in the colour of what repels."""
+    result: dict[str, list[np.ndarray]] = {}
+    for link in graph.links:
+        leaves = graph.entities[link.source].kind == "saddle"
+        for curve in link.curves:
+            result.setdefault("sink" if leaves else "source", []).append(curve)
+    return result
+
+
+def _draw_graph(axis: Any, graph: EntityGraph) -> None:
+    from matplotlib.patches import FancyArrowPatch
+    from matplotlib.path import Path as Curve
+
+    from .layout import layout
+
+    axis.set_axis_off()
+    axis.set_title(graph.title, fontsize=11)
+    if not graph.entities:
+        axis.text(0.5, 0.5, "no entities", ha="center", va="center", color="0.5", transform=axis.transAxes)
+        return
+    try:
+        drawn = layout(graph)
+    except ImportError as fault:
+        raise InputError(str(fault)) from None
+    many = len(graph.entities) > MOST_NAMES
+    # Long rows are seen in perspective of their width: the rows keep their distance.
+    wide = max(drawn.width, 4.0)
+    size = float(np.clip(9000.0 / (wide + 4.0) ** 1.35, 10.0, 420.0))
+    for link, route in zip(graph.links, drawn.routes, strict=True):
+        colour = "sink" if graph.entities[link.source].kind == "saddle" else "source"
+        codes = [Curve.MOVETO, Curve.LINETO] if len(route) == 2 else [Curve.MOVETO, Curve.CURVE3, Curve.CURVE3]
+        points = route if len(route) == 2 else [route[0], 2.0 * route[1] - 0.5 * (route[0] + route[2]), route[2]]
+        axis.add_patch(
+            FancyArrowPatch(
+                path=Curve(points, codes),
+                arrowstyle="-|>",
+                mutation_scale=4.0 if many else 9.0,
+                linewidth=0.8,
+                color=(*KIND_COLOURS[colour], 0.65),
+                shrinkA=0.0,
+                shrinkB=0.5 * np.sqrt(size),
+                zorder=1,
+            )  # fmt: skip
+        )
+    for entity, place in zip(graph.entities, drawn.positions, strict=True):
+        closed = entity.curve is not None
+        axis.scatter(
+            *place, s=size, marker="o", facecolors="white" if closed else [KIND_COLOURS[entity.kind]],
+            edgecolors=[KIND_COLOURS[entity.kind]] if closed else "white", linewidths=2.0 if closed else 0.8, zorder=2,
+        )  # fmt: skip
+        if not many and size > 90.0:
+            axis.text(
+                *place, entity.name, ha="center", va="center", zorder=3, color="0.1" if closed else "white",
+                fontsize=float(np.clip(0.4 * np.sqrt(size), 4.0, 8.0)), fontweight="bold",
+            )  # fmt: skip
+    axis.set_xlim(-0.5 * wide - 0.7, 0.5 * wide + 0.7)
+    axis.set_ylim(-0.5, 2.5)
+
+
+def _draw_lives(axis: Any, tracking: Any) -> None:
+    """One bar per path from where it begins to where it ends, with its bifurcations."""
+    axis.set_title("Life spans", fontsize=11)
+    order = sorted(tracking.paths, key=lambda track: (track.first, -track.life))
+    row = {track.id: i for i, track in enumerate(order)}
+    for track in order:
+        axis.hlines(row[track.id], track.first, track.last, colors=[KIND_COLOURS[track.kind]], linewidth=2.0)
+        if len(order) <= MOST_NAMES:
+            axis.text(track.first - 0.008, row[track.id], track.name, ha="right", va="center", fontsize=6, color="0.3")
+    for event in tracking.bifurcations:
+        rows = [row[path] for path in event.paths if path in row]
+        axis.vlines(event.lam, min(rows), max(rows), colors="0.75", linewidth=0.7, zorder=0)
+        axis.plot([event.lam] * len(rows), rows, "o", markersize=3.0, color="0.15", markerfacecolor="white")
+    axis.set_xlim(-0.08, 1.02)
+    axis.set_ylim(len(order) - 0.3, -0.7)
+    axis.set_xlabel("λ")
+    axis.set_yticks([])
+    for side in ("left", "right", "top"):
+        axis.spines[side].set_visible(False)
+
+
+def _legend(figure: Any, graph: EntityGraph, lines: bool = False, sets: bool = False) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    kinds = {entity.kind for entity in graph.entities}
+    closed = {entity.kind for entity in graph.entities if entity.curve is not None}
+    handles: list[Any] = []
+
+    def add_curve(kind: str, label: str, width: float) -> None:
+        handles.append(Line2D([], [], color=KIND_COLOURS[kind], linewidth=width, label=label))
+
+    if sets:
+        named = {kind: SETS.get(kind, f"{kind} set") for kind in KIND_COLOURS if kind in kinds}
+        handles += [Patch(color=KIND_COLOURS[kind], label=label) for kind, label in named.items()]
+    else:
+        for kind in POINTS:
+            if any(entity.kind == kind and entity.curve is None for entity in graph.entities):
+                dot = {"marker": "o", "linestyle": "", "markersize": 7.0, "markeredgecolor": "white"}
+                handles.append(Line2D([], [], color=KIND_COLOURS[kind], label=kind, **dot))
+        for kind in [kind for kind in KIND_COLOURS if kind in closed]:
+            add_curve(kind, "closed orbits" if kind == "center" else f"{kind} orbit", 2.6)
+    if lines:
+        add_curve("sink", "outgoing separatrix", 1.3)
+        add_curve("source", "incoming separatrix", 1.3)
+    if handles:
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=min(len(handles), 8), frameon=False, fontsize=9
+        )
+
+
+def _save(figure: Any, path: str | Path) -> None:
+    """Whole or not at all."""
+    path = Path(path)
+    temporary = path.with_name(f".{path.name}.tmp{path.suffix}")
+    try:
+        figure.savefig(temporary)
+        temporary.replace(path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place") from error
+
+
+__all__: Sequence[str] = ("check", "draw_analysis", "draw_morse", "draw_tracking")
