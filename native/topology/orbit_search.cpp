@@ -14,7 +14,7 @@ constexpr double kConverged = 1e-11;  ///< width of the last bracket
 constexpr double kNearLimit = 1e-4;   ///< as near as this to the end of what returns, the search is given up
 constexpr double kJump = 1e-5;        ///< a return map that jumps by more has no fixed point there
 constexpr double kSlow = 0.02;        ///< of one turn that moves so little, nothing is lost by leaving some out
-constexpr double kNearest = 0.01;     ///< first distance at which an orbit's sides are looked at
+constexpr double kNearest = 1e-4;     ///< first distance at which an orbit's sides are looked at
 constexpr double kBand = 0.5;         ///< distance at which a band of closed streamlines shows
 /// Edges in a row with the candidate's own that are searched, and around an orbit's best section.
 constexpr int kBeyond = 2, kBeyondBest = 1;
@@ -143,7 +143,7 @@ OrbitSearch::Side OrbitSearch::look(ReturnMap& forward, ReturnMap& backward, dou
   const Section& section = forward.section();
   const double room = 0.999 * (sign > 0.0 ? section.high() - position : position - section.low());
   Side side;
-  for (double distance = std::min(kNearest * edge_, 0.5 * room); distance > 0.0; distance *= 3.0) {
+  for (double distance = std::min(kNearest * edge_, 0.5 * room); distance > 0.0; distance *= 5.0) {
     const bool last = distance >= room;
     distance = std::min(distance, room);
     const auto grown = growth(distance);

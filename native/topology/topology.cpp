@@ -17,7 +17,7 @@ namespace stormfield {
 namespace {
 
 /// Nearer to each other than this, in mean edge lengths, two orbits are one.
-constexpr double kSameOrbit = 2e-3;
+constexpr double kSameOrbit = 2e-4;
 /// Length of a separatrix' first step, in lengths of its face.
 constexpr double kFirstStep = 1e-3;
 
