@@ -24,6 +24,7 @@ from .progress import progress
 @click.option("--tau", type=float, help="Seconds (tau) or mesh units (spatial).  [default: a few edges]")
 @click.option("--eps", type=float, default=0.0, help="Bound on the error of the vectors, mesh units per second.")
 @click.option("--relative", is_flag=True, help="--eps is in mean speeds of the field.")
+@click.option("--trivial/--no-trivial", default=True, help="Keep sets of trivial index.  [default: yes]")
 @click.option("--json", "out", required=True, help="File to write; - is standard output.")
 @click.option("--image", help="Picture of the Morse sets and their graph: .png, .pdf or .svg.")
 def morse(

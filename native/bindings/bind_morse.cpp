@@ -33,7 +33,8 @@ std::vector<double> inputWeights(const py::object& weights, Index vertices) {
 
 std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std::string& method,
                                              const std::optional<double>& tau, double eps, bool relative,
-                                             const py::object& weights, bool persistence, bool keepEmpty) {
+                                             const py::object& weights, bool persistence, bool keepEmpty,
+                                             bool trivial) {
   MorseAnalysisOptions options;
   options.method = morseMethod(method);
   options.tau = tau;
@@ -42,16 +43,18 @@ std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std
   options.weights = inputWeights(weights, field.mesh->mesh().vertexCount());
   options.persistence = persistence;
   options.keepEmpty = keepEmpty;
+  options.keepTrivial = trivial;
   return std::make_shared<Job<MorseOutput>>([mesh = field.mesh, f = field.field, options](Progress& progress) {
     const bool traces = options.method != MorseMethod::Geometry;
     return MorseOutput{mesh, analyzeMorse(traces ? mesh->flatFaces().get() : nullptr, f, options, progress)};
   });
 }
 
-MorsePointer simplified(const MorseOutput& output, double eps) {
+MorsePointer simplified(const MorseOutput& output, double eps, const std::optional<bool>& trivial) {
   const py::gil_scoped_release release;
   Progress progress;
-  return std::make_shared<const MorseOutput>(MorseOutput{output.mesh, within(output.analysis, eps, progress)});
+  return std::make_shared<const MorseOutput>(
+      MorseOutput{output.mesh, within(output.analysis, eps, trivial.value_or(output.analysis.keepTrivial), progress)});
 }
 
 std::vector<MorseSetView> setsOf(const MorsePointer& output) {
@@ -160,9 +163,10 @@ void bindDecomposition(py::module_& m) {
           "upper_bound", [](const MorseOutput& o) { return o.analysis.method != MorseMethod::Geometry; },
           "Whether Conley indices are upper bounds.")
       .def_property_readonly("seconds", &secondsOf, "Seconds by phase: map, sets, persistence.")
-      .def("simplify", &simplified, py::arg("eps"),
+      .def("simplify", &simplified, py::arg("eps"), py::arg("trivial") = py::none(),
            "The decomposition that holds for every field within eps >= 0 (mesh units per second, times the weights).\n"
-           "Raises InputError unless the method is geometry.")
+           "trivial: whether to keep sets of trivial index (None: as here). Raises InputError unless the method is "
+           "geometry.")
       .def("connection_faces", &connectionFaces, py::arg("source"), py::arg("target"),
            "(k,) int32: faces on a way from one set to another, without theirs; empty when none leads there.")
       .def("__repr__", [](const MorseOutput& o) {
@@ -181,12 +185,13 @@ void bind_morse(py::module_& m) {
   m.def(
       "start_morse", &startMorse, py::arg("field"), py::arg("method") = "geometry", py::arg("tau") = py::none(),
       py::arg("eps") = 0.0, py::arg("relative") = false, py::arg("weights") = py::none(), py::arg("persistence") = true,
-      py::arg("keep_empty") = false,
+      py::arg("keep_empty") = false, py::arg("trivial") = true,
       "Start the Morse decomposition of a VectorField -> MorseJob, whose result is a MorseDecomposition.\n"
       "method: geometry, tau or spatial. tau: seconds, or mesh units for spatial (None: found from the field).\n"
       "eps: bound on the error of the vectors, in mesh units per second, or mean speeds with relative; geometry only.\n"
       "weights: (n,) float64 >= 0, factors of eps at the vertices. persistence: whether to find when sets merge.\n"
-      "keep_empty: keep sets that provably hold no recurrence. Raises InputError (at once, or from result()).");
+      "keep_empty: keep sets that provably hold no recurrence. trivial: keep sets of trivial index, whose recurrence\n"
+      "(pairs that cancel) nearby fields may not have. Raises InputError (at once, or from result()).");
   m.def(
       "mean_speed",
       [](const FieldHandle& field) {

@@ -39,6 +39,7 @@ double fewEdges(const VectorField& field, MorseMethod method) {
 void findSets(MorseAnalysis& analysis, Progress& progress) {
   MorseOptions options;
   options.keepEmpty = analysis.keepEmpty;
+  options.keepTrivial = analysis.keepTrivial;
   if (analysis.bounded) {
     options.resting = restingWithin(*analysis.bounded, analysis.epsilon);
   } else {
@@ -119,6 +120,7 @@ MorseAnalysis analyzeMorse(const FlatFaces* faces, const VectorField& field, con
   MorseAnalysis analysis;
   analysis.method = options.method;
   analysis.keepEmpty = options.keepEmpty;
+  analysis.keepTrivial = options.keepTrivial;
   analysis.epsilon = options.relativeEpsilon ? options.epsilon * meanSpeed(field) : options.epsilon;
   analysis.field = std::make_shared<const VectorField>(field);
   if (options.method == MorseMethod::Geometry) {
@@ -131,7 +133,7 @@ MorseAnalysis analyzeMorse(const FlatFaces* faces, const VectorField& field, con
   return analysis;
 }
 
-MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, Progress& progress) {
+MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTrivial, Progress& progress) {
   checkEpsilon(epsilon);
   if (!analysis.bounded) {
     throw InputError(message("a decomposition by '", name(analysis.method),
@@ -140,6 +142,7 @@ MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, Progress& pr
   MorseAnalysis result;
   result.method = analysis.method;
   result.keepEmpty = analysis.keepEmpty;
+  result.keepTrivial = keepTrivial;
   result.epsilon = epsilon;
   result.field = analysis.field;
   result.bounded = analysis.bounded;

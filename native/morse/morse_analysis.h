@@ -3,7 +3,7 @@
 //
 //   MorseAnalysis analysis = analyzeMorse(&faces, field, {.method = MorseMethod::Tau, .tau = 0.3}, progress);
 //   analysis.decomposition.sets[0].kind;
-//   MorseAnalysis simpler = within(analysis, 0.05, progress);          // geometry: fields that differ by up to 0.05
+//   MorseAnalysis simpler = within(analysis, 0.05, true, progress);    // geometry: fields that differ by up to 0.05
 #pragma once
 
 #include <memory>
@@ -39,13 +39,14 @@ struct MorseAnalysisOptions {
   std::vector<double> weights{};  ///< factors of epsilon, one per vertex; empty: 1
   bool persistence = true;        ///< Geometry: whether to find when sets merge
   bool keepEmpty = false;         ///< recurrence.h
+  bool keepTrivial = true;        ///< morse_decomposition.h
 };
 
 struct MorseAnalysis {
   MorseMethod method = MorseMethod::Geometry;
   double tau = 0.0;      ///< what was used; 0 for Geometry
   double epsilon = 0.0;  ///< mesh units per second
-  bool keepEmpty = false;
+  bool keepEmpty = false, keepTrivial = true;
   std::shared_ptr<const VectorField> field;
   std::shared_ptr<const CombinatorialMap> map;
   std::shared_ptr<const ErrorBoundedMap> bounded;  ///< Geometry only
@@ -61,8 +62,9 @@ struct MorseAnalysis {
 MorseAnalysis analyzeMorse(const FlatFaces* faces, const VectorField& field, const MorseAnalysisOptions& options,
                            Progress& progress);
 
-/// The decomposition that holds for every field within epsilon: that of the same analysis with this epsilon, in the
-/// time of a search for components. Throws InputError unless the method is Geometry and epsilon a number >= 0.
-MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, Progress& progress);
+/// The decomposition that holds for every field within epsilon: that of the same analysis with this epsilon and choice
+/// of trivial sets, in the time of a search for components. Throws InputError unless the method is Geometry and epsilon
+/// a number >= 0.
+MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTrivial, Progress& progress);
 
 }  // namespace stormfield

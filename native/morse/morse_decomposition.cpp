@@ -31,6 +31,24 @@ FaceSets chosen(const FaceSets& sets, const std::vector<char>& isChosen) {
   return {std::move(setOf), count};
 }
 
+std::vector<MorseSet> indexed(const VectorField& field, const CombinatorialMap& map, const std::vector<char>& mapped,
+                              const FaceSets& faces, const Progress& progress) {
+  const std::vector<int> poincare = poincareIndices(field);
+  std::vector<MorseSet> sets(faces.count());
+  tbb::parallel_for(Index{0}, faces.count(), [&](Index s) {
+    if (!progress.cancelled()) sets[s] = morseSet(field, map, poincare, mapped, faces, s);
+  });
+  return sets;
+}
+
+void dropTrivial(MorseDecomposition& morse) {
+  const auto isTrivial = [](const MorseSet& set) { return set.kind == MorseKind::Trivial; };
+  std::vector<char> kept;
+  for (const MorseSet& set : morse.sets) kept.push_back(isTrivial(set) ? 0 : 1);
+  morse.faces = chosen(morse.faces, kept);
+  morse.sets.erase(std::remove_if(morse.sets.begin(), morse.sets.end(), isTrivial), morse.sets.end());
+}
+
 }  // namespace
 
 FaceSets recurrentSets(const CombinatorialMap& map, const Components& components) {
@@ -77,13 +95,10 @@ MorseDecomposition morseDecomposition(const VectorField& field, const Combinator
   progress.check();
 
   MorseDecomposition result;
-  result.faces = chosen(recurrent, kept);
   result.mapEdges = map.graph.edgeCount();
-  result.sets.resize(result.faces.count());
-  const std::vector<int> poincare = poincareIndices(field);
-  tbb::parallel_for(Index{0}, result.faces.count(), [&](Index s) {
-    if (!progress.cancelled()) result.sets[s] = morseSet(field, map, poincare, options.mapped, result.faces, s);
-  });
+  result.faces = chosen(recurrent, kept);
+  result.sets = indexed(field, map, options.mapped, result.faces, progress);
+  if (!options.keepTrivial) dropTrivial(result);
   progress.report(0.7);
   progress.check();
   result.graph = morseConnectionGraph(map, components, result.faces);

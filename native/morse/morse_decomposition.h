@@ -28,6 +28,9 @@ struct MorseOptions {
   std::vector<char> resting;
   /// Whether to keep sets that provably hold nothing (recurrence.h).
   bool keepEmpty = false;
+  /// Whether to keep sets of trivial index. What recurs in them (pairs that cancel, say) needs not be there in nearby
+  /// fields, so that a simpler graph does without them (thesis 6.2); then Morse sets no longer hold all recurrence.
+  bool keepTrivial = true;
 };
 
 struct MorseSet {

@@ -102,6 +102,17 @@ def test_simplify_is_the_decomposition_of_that_error(nested):
     assert len(found.simplify(1.5 * merge[-1]).sets) == 1
 
 
+def test_trivial_sets_can_be_left_out(nested):
+    _, field = nested
+    eps = max(s.persistence for s in decompose(field).sets)
+    for every in [decompose(field, keep_empty=True), decompose(field).simplify(0.9 * eps)]:
+        wanted = [list(s.faces) for s in every.sets if s.kind != "trivial"]
+        found = every.simplify(every.eps, trivial=False)
+        assert [list(s.faces) for s in found.sets] == wanted
+        assert len(found.edges) == 0 or found.edges.max() < len(wanted)
+    assert [list(s.faces) for s in decompose(field, eps=0.9 * eps, trivial=False).sets] == wanted
+
+
 def test_relative_errors_are_mean_speeds(nested):
     _, field = nested
     assert decompose(field, eps=0.1, relative=True).eps == pytest.approx(0.1 * native.mean_speed(field))
@@ -274,3 +285,26 @@ def test_command_line_refuses(capsys, ply, options, says):
     assert main(["morse", str(ply), *options, "--json", "-"]) == 2
     captured = capsys.readouterr()
     assert captured.out == "" and captured.err.count("\n") == 1 and says in captured.err
+
+
+# Beside the entity connection graph -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["gasEngineV.t", "bunny1V.t", "sphere1.ply", "simple_fld2.ply"])
+def test_entities_lie_in_morse_sets_and_their_links_follow_the_order(name):
+    _, field = data_field(name)
+    topology = native.start_topology(field).result()
+    for eps in [0.0, 0.01]:
+        found = decompose(field, eps=eps, relative=True)
+        where = [found.face_sets[point.face] for point in topology.fixed_points]
+        for orbit in topology.periodic_orbits:
+            sets = np.unique(found.face_sets[orbit.faces])
+            assert len(sets) == 1
+            where.append(sets[0])
+        assert len(where) > 3 and min(where) >= 0
+        reach = reachability(found)
+        points = len(topology.fixed_points)
+        ends = {"fixed_point": 0, "periodic_orbit": points}
+        for source, target, _ in topology.links:
+            a, b = (where[ends[kind] + number] for kind, number in (source, target))
+            assert reach[a, b]
