@@ -15,7 +15,10 @@ constexpr double kNearLimit = 1e-4;   ///< as near as this to the end of what re
 constexpr double kJump = 1e-5;        ///< a return map that jumps by more has no fixed point there
 constexpr double kSlow = 0.02;        ///< of one turn that moves so little, nothing is lost by leaving some out
 constexpr double kNearest = 1e-4;     ///< first distance at which an orbit's sides are looked at
+constexpr double kPiece = 0.1;        ///< orbits farther from each other than this are told apart for sure
+constexpr double kFarthest = 1.0;     ///< and last distance
 constexpr double kBand = 0.5;         ///< distance at which a band of closed streamlines shows
+constexpr int kMostPieces = 24;
 /// Edges in a row with the candidate's own that are searched, and around an orbit's best section.
 constexpr int kBeyond = 2, kBeyondBest = 1;
 
@@ -40,22 +43,26 @@ ReturnMap OrbitSearch::map(Direction direction, const Section& section, int loop
   return {walk, section, loops, partOf_, part, allowedCrossings(crossings)};
 }
 
-OrbitSearch::Outcome OrbitSearch::follow(const Candidate& candidate) const {
+OrbitSearch::Outcome OrbitSearch::follow(const Candidate& candidate,
+                                         const std::function<bool(const FoundOrbit&)>& isKnown) const {
   const Section section(field_, candidate.halfedge, kBeyond);
   const auto own = std::find(section.halfedges().begin(), section.halfedges().end(), candidate.halfedge);
   const double start = section.at(static_cast<std::size_t>(own - section.halfedges().begin()), candidate.fraction);
   ReturnMap returns = map(candidate.direction, section, candidate.loops, candidate.part, candidate.crossings);
-  const March way = march(returns, start);
+  const March way = checked(returns, start, march(returns, start));
   if (!way.fixed) {
     const bool slow = way.largest <= kSlow * edge_ && std::abs(way.reached - start) > 4.0 * way.largest;
     if (!slow) return {};
     return {std::nullopt, section.point(field_.mesh(), way.reached, candidate.direction)};
   }
-  auto found = describe(candidate, section, *way.fixed);
-  if (found) {
-    found->side = start < *way.fixed ? 0 : 1;
-    found->found = {section, *way.fixed, std::min(start, *way.fixed), std::max(start, *way.fixed)};
-  }
+  FoundOrbit found;
+  found.loops = candidate.loops;
+  found.closedAround = way.closedAround;
+  if (!record(returns, *way.fixed, found)) return {};
+  found.side = start < *way.fixed ? 0 : 1;
+  found.found = {section, *way.fixed, std::min(start, *way.fixed), std::max(start, *way.fixed)};
+  found.known = isKnown(found);
+  if (!found.known) lookAround(candidate, found);
   return {std::move(found), std::nullopt};
 }
 
@@ -68,8 +75,8 @@ OrbitSearch::March OrbitSearch::march(ReturnMap& returns, double start) const {
     return back ? std::optional(back->position - s) : std::nullopt;
   };
   const auto first = displacement(start);
-  if (!first) return {std::nullopt, start, 0.0};
-  if (std::abs(*first) <= kClosed * edge_) return {start, start, 0.0};
+  if (!first) return {std::nullopt, start, 0.0, false};
+  if (std::abs(*first) <= kClosed * edge_) return {start, start, 0.0, false};
   const double sign = *first > 0.0 ? 1.0 : -1.0;
 
   // Closed but for a drift that is as small half an edge away: inside a band.
@@ -79,7 +86,7 @@ OrbitSearch::March OrbitSearch::march(ReturnMap& returns, double start) const {
       const auto d = s > low && s < high ? displacement(s) : std::nullopt;
       return d && std::abs(*d) <= drift;
     };
-    if (isClosed(start + kBand * edge_) && isClosed(start - kBand * edge_)) return {start, start, 0.0};
+    if (isClosed(start + kBand * edge_) && isClosed(start - kBand * edge_)) return {start, start, 0.0, true};
   }
 
   double limit = sign > 0.0 ? high : low;  // streamlines return as far as here, as far as is known
@@ -92,7 +99,7 @@ OrbitSearch::March OrbitSearch::march(ReturnMap& returns, double start) const {
       b = 0.5 * (a + b);
       continue;
     }
-    if (sign * *atB <= 0.0) return {solve(returns, a, atA, b, *atB), a, largest};
+    if (sign * *atB <= 0.0) return {solve(returns, a, atA, b, *atB), a, largest, false};
     const double slope = (*atB - atA) / (b - a);
     double reach = 3.0 * std::abs(b - a);
     if (slope < 0.0) reach = std::min(1.25 * std::abs(*atB / slope) + 10.0 * kConverged * edge_, 20.0 * reach);
@@ -101,7 +108,31 @@ OrbitSearch::March OrbitSearch::march(ReturnMap& returns, double start) const {
     largest = std::max(largest, std::abs(atA));
     b = sign > 0.0 ? std::min(a + reach, limit) : std::max(a - reach, limit);
   }
-  return {std::nullopt, a, largest};
+  return {std::nullopt, a, largest, false};
+}
+
+/// The march may have stepped over two orbits at once: looks again, in short steps, and turns to the first sign change.
+OrbitSearch::March OrbitSearch::checked(ReturnMap& returns, double start, March way) const {
+  for (int round = 0; round < 4; ++round) {
+    const double end = way.fixed ? *way.fixed : way.reached;
+    const int pieces = std::min(kMostPieces, static_cast<int>(std::abs(end - start) / (kPiece * edge_)) + 1);
+    double before = start, atBefore = 0.0;
+    bool changed = false;
+    for (int i = 0; i < pieces && !changed; ++i) {
+      const double s = start + (end - start) * i / pieces;
+      const auto back = returns(s);
+      if (!back) continue;
+      const double d = back->position - s;
+      if (atBefore * d < 0.0) {
+        way.fixed = solve(returns, before, atBefore, s, d);
+        changed = true;
+      }
+      before = s;
+      atBefore = d;
+    }
+    if (!changed) break;
+  }
+  return way;
 }
 
 /// The zero of the displacement between a and b by the rule of false position (Illinois), with bisection now and then.
@@ -143,27 +174,24 @@ OrbitSearch::Side OrbitSearch::look(ReturnMap& forward, ReturnMap& backward, dou
   const Section& section = forward.section();
   const double room = 0.999 * (sign > 0.0 ? section.high() - position : position - section.low());
   Side side;
-  for (double distance = std::min(kNearest * edge_, 0.5 * room); distance > 0.0; distance *= 5.0) {
-    const bool last = distance >= room;
-    distance = std::min(distance, room);
+  side.closed = true;
+  double distance = std::min(kNearest * edge_, 0.5 * room);
+  while (true) {
     const auto grown = growth(distance);
     if (!grown) break;
     const SideFlow flow = *grown < 1.0 ? SideFlow::Attracted : SideFlow::Repelled;
-    side.closed = std::abs(*grown - 1.0) <= options_.bandTolerance;
-    if (side.flow != SideFlow::Unknown && flow != side.flow && !side.closed) break;
-    if (side.flow == SideFlow::Unknown || !side.closed) side.flow = flow;
+    const bool closed = std::abs(*grown - 1.0) <= options_.bandTolerance;
+    if (side.flow != SideFlow::Unknown && flow != side.flow && !(closed && side.closed)) break;
+    side.closed = side.closed && closed;
+    side.flow = flow;
     side.reach = distance;
-    if (last || (side.closed && distance >= kBand * edge_)) break;
+    if (distance >= room || distance >= kFarthest * edge_ || (side.closed && distance >= kBand * edge_)) break;
+    distance = std::min({5.0 * distance, distance + kPiece * edge_, room});
   }
   return side;
 }
 
-std::optional<FoundOrbit> OrbitSearch::describe(const Candidate& candidate, const Section& section,
-                                                double position) const {
-  FoundOrbit found;
-  found.loops = candidate.loops;
-  ReturnMap here = map(candidate.direction, section, candidate.loops, candidate.part, candidate.crossings);
-  if (!record(here, position, found)) return std::nullopt;
+void OrbitSearch::lookAround(const Candidate& candidate, FoundOrbit& found) const {
   found.best = bestSection(found.passages);
   // On that section the number of loops can be another.
   int loops = 0;
@@ -178,19 +206,17 @@ std::optional<FoundOrbit> OrbitSearch::describe(const Candidate& candidate, cons
   found.sides = {left.flow, right.flow};
 
   PeriodicOrbit& orbit = found.orbit;
-  if (left.closed && right.closed) {
+  const SideFlow known = left.flow == SideFlow::Unknown ? right.flow : left.flow;
+  if (left.closed && right.closed && known != SideFlow::Unknown) {
     orbit.kind = OrbitKind::Center;
     found.sides = {SideFlow::Closed, SideFlow::Closed};
-  } else if (left.flow == right.flow || right.flow == SideFlow::Unknown) {
-    orbit.kind = left.flow == SideFlow::Attracted ? OrbitKind::Attracting : OrbitKind::Repelling;
-  } else if (left.flow == SideFlow::Unknown) {
-    orbit.kind = right.flow == SideFlow::Attracted ? OrbitKind::Attracting : OrbitKind::Repelling;
-  }
-  if (left.flow == SideFlow::Unknown && right.flow == SideFlow::Unknown) {
-    orbit.kind = candidate.direction == Direction::Forward ? OrbitKind::Attracting : OrbitKind::Repelling;
+  } else if (known == SideFlow::Unknown) {
+    const bool forwards = candidate.direction == Direction::Forward;
+    orbit.kind = forwards ? OrbitKind::Attracting : OrbitKind::Repelling;
+  } else if (left.flow == right.flow || right.flow == SideFlow::Unknown || left.flow == SideFlow::Unknown) {
+    orbit.kind = known == SideFlow::Attracted ? OrbitKind::Attracting : OrbitKind::Repelling;
   }
   orbit.multiplier = multiplier(orbit);
-  return found;
 }
 
 bool OrbitSearch::record(ReturnMap& returns, double position, FoundOrbit& found) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -25,12 +26,14 @@ struct OrbitSection {
 struct FoundOrbit {
   PeriodicOrbit orbit;
   std::array<SideFlow, 2> sides{SideFlow::Unknown, SideFlow::Unknown};  ///< left, right
-  OrbitSection best;   ///< the section that it crosses farthest from any end, with both sides
-  OrbitSection found;  ///< the section where it was found, with the side that was searched
-  int side = 0;        ///< that side: 0 left, 1 right
+  OrbitSection best;          ///< the section that it crosses farthest from any end, with both sides
+  OrbitSection found;         ///< the section where it was found, with the side that was searched
+  int side = 0;               ///< that side: 0 left, 1 right
+  bool closedAround = false;  ///< half an edge away on both sides streamlines close as well
   int loops = 1;
   Index crossings = 0;  ///< of edges, once around
   std::vector<Passage> passages;
+  bool known = false;  ///< then its sides and best section were not looked at again
 };
 
 /// A streamline that came back.
@@ -61,7 +64,8 @@ class OrbitSearch {
     std::optional<SurfacePoint> onward;
   };
   /// The orbit that the streamline comes to, if it crosses the candidate's edge or the edges in a row with it.
-  Outcome follow(const Candidate& candidate) const;
+  /// isKnown(FoundOrbit with its passages) says whether more about it is needed.
+  Outcome follow(const Candidate& candidate, const std::function<bool(const FoundOrbit&)>& isKnown) const;
   /// Whether the streamline through a point of an edge closes but for this part of the mean edge length.
   bool closes(Index halfedge, double fraction, Index part, Index crossings, double tolerance,
               std::vector<Index>* crossedFaces) const;
@@ -78,11 +82,13 @@ class OrbitSearch {
     std::optional<double> fixed;  ///< position of the orbit
     double reached = 0.0;         ///< else, the last position from which streamlines return
     double largest = 0.0;         ///< the largest displacement on the way there
+    bool closedAround = false;
   };
   March march(ReturnMap& map, double start) const;
+  March checked(ReturnMap& map, double start, March way) const;
   std::optional<double> solve(ReturnMap& map, double a, double atA, double b, double atB) const;
   Side look(ReturnMap& forward, ReturnMap& backward, double position, double sign) const;
-  std::optional<FoundOrbit> describe(const Candidate& candidate, const Section& section, double position) const;
+  void lookAround(const Candidate& candidate, FoundOrbit& found) const;
   bool record(ReturnMap& map, double position, FoundOrbit& found) const;
   OrbitSection bestSection(const std::vector<Passage>& passages) const;
   double multiplier(const PeriodicOrbit& orbit) const;

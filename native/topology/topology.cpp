@@ -183,7 +183,8 @@ class Search {
     std::vector<OrbitSearch::Outcome> found(chosen.size());
     tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
       if (progress_ != nullptr) progress_->check();
-      found[i] = orbitSearch_->follow(journeys_[chosen[i]].candidate);
+      found[i] = orbitSearch_->follow(journeys_[chosen[i]].candidate,
+                                      [&](const FoundOrbit& orbit) { return knownOrbit(orbit) != kNone; });
     });
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       if (found[i].orbit) {
@@ -197,16 +198,21 @@ class Search {
     return any;
   }
 
-  void accept(std::size_t traveller, FoundOrbit found) {
-    const Index part = journeys_[traveller].candidate.part;
-    Index orbit = kNone;
+  Index knownOrbit(const FoundOrbit& found) const {
     for (const Passage& passage : found.passages) {
-      orbit = destinations_->orbitAt(passage, kSameOrbit * mesh_.meanEdgeLength());
-      if (orbit == kNone && found.orbit.kind == OrbitKind::Center && passage.halfedge != kNone) {
+      Index orbit = destinations_->orbitAt(passage, kSameOrbit * mesh_.meanEdgeLength());
+      const bool inBand = found.closedAround || found.orbit.kind == OrbitKind::Center;
+      if (orbit == kNone && inBand && passage.halfedge != kNone) {
         orbit = destinations_->bandAt(TriangleMesh::face(passage.halfedge));
       }
-      if (orbit != kNone) break;
+      if (orbit != kNone) return orbit;
     }
+    return kNone;
+  }
+
+  void accept(std::size_t traveller, FoundOrbit found) {
+    const Index part = journeys_[traveller].candidate.part;
+    Index orbit = knownOrbit(found);
     if (orbit == kNone) {
       orbit = destinations_->orbitCount();
       destinations_->addOrbit(found);
