@@ -17,6 +17,7 @@ from . import (
     shading,
     solve,
     storm_merge,
+    streamlines,
 )
 
 CLASSES = (
@@ -30,6 +31,7 @@ CLASSES = (
     *analyze_lambda.CLASSES,
     *morse.CLASSES,
     *select_entity.CLASSES,
+    *streamlines.CLASSES,
     *presets.CLASSES,
     *shading.CLASSES,
     *storm_merge.CLASSES,

@@ -13,7 +13,14 @@ namespace {
 struct EvenStreamlinesHandle {
   std::shared_ptr<MeshHandle> mesh;
   EvenStreamlines lines;
+  std::vector<Index> roles;
 };
+
+/// What a given curve is: 1 a closed one, 2 with the flow from its first point, 3 against it; 0 is any other line.
+Index role(const GivenCurve& curve) {
+  return curve.closed ? 1 : curve.againstFlow ? 3 : 2;
+}
+
 using StreamlinesJob = Job<std::shared_ptr<const EvenStreamlinesHandle>>;
 
 GivenCurve givenCurve(const TriangleMesh& mesh, const py::handle& item) {
@@ -43,8 +50,11 @@ std::shared_ptr<StreamlinesJob> start(const FieldHandle& field, double distance,
           features.fixedPoints = findFixedPoints(values);
         }
         features.curves.insert(features.curves.begin(), given.begin(), given.end());
+        EvenStreamlines lines = placeStreamlines(faces, values, spacing, features, &progress);
+        std::vector<Index> roles;
+        for (const Index i : lines.given) roles.push_back(i == kNone ? 0 : role(features.curves[i]));
         return std::make_shared<const EvenStreamlinesHandle>(
-            EvenStreamlinesHandle{mesh, placeStreamlines(faces, values, spacing, features, &progress)});
+            EvenStreamlinesHandle{mesh, std::move(lines), std::move(roles)});
       });
 }
 
@@ -113,6 +123,11 @@ void bind_streamlines(py::module_& m) {
       .def_property_readonly(
           "given", [](const EvenStreamlinesHandle& self) { return copied(self.lines.given); },
           "(k,) int32, the given curve that the line is, -1 for the others.")
+      .def_property_readonly(
+          "roles", [](const EvenStreamlinesHandle& self) { return copied(self.roles); },
+          "(k,) int32: 0 a line between, 1 a periodic orbit (or closed given curve), 2 a separatrix that leaves its "
+          "saddle\n"
+          "(or a curve with the flow), 3 one that enters its saddle (or a curve against the flow).")
       .def_property_readonly(
           "quiet_area", [](const EvenStreamlinesHandle& self) { return self.lines.quietArea; },
           "Part of the surface, 0..1, where the field stands still.")

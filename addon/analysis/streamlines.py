@@ -1,0 +1,115 @@
+"""Evenly spaced streamlines (thesis 3.4) as polylines with what hair and curve shading needs. No Blender here.
+
+drawing = run(streamline_steps(mesh, values, Settings(density=0.02)))
+drawing.curves[i], drawing.radii[i], drawing.attributes["speed"][i]
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .. import native
+from ..bake.job import Step, Steps
+from ..model.errors import InputError
+from ..model.mesh_data import MeshData
+from .steps import native_field, result_of
+
+#: Distance between two arrow heads on a line, in distances between lines; length and radius of a head, in line radii.
+ARROW_EVERY, ARROW_LENGTH, ARROW_RADIUS = 14.0, 9.0, 2.8
+#: Heads sit where a line has at least this part of its full width.
+ARROW_TAPER = 0.4
+
+
+@dataclass(frozen=True)
+class Settings:
+    density: float = 0.02  #: distance between lines over the object's size, the square root of its area
+    width: float = 0.25  #: of a line over the distance between lines
+    taper: float = 1.0  #: how much lines narrow at ends and beside others, 0..1
+    arrows: bool = False  #: heads that point with the flow
+    topology: bool = True  #: periodic orbits and separatrices first
+
+
+@dataclass(frozen=True, eq=False)
+class StreamlineDrawing:
+    """Curves in object space, lifted off the surface by the radius; arrow heads are short curves at the end."""
+
+    curves: list[np.ndarray]  #: (k, 3) each; closed ones do not repeat their first point
+    radii: list[np.ndarray]  #: (k,) each, mesh units
+    closed: np.ndarray  #: (n,) bool
+    attributes: dict[str, list[np.ndarray]]  #: per point: speed (mesh units per second), distance (along the line)
+    curve_attributes: dict[str, np.ndarray]  #: per curve: length, role (see native roles), arrow
+    lines: int  #: curves that are lines, not arrow heads
+    quiet_area: float  #: part of the surface that stands still, 0..1
+    gaps: int  #: places that could not be reached
+
+
+def streamline_steps(mesh: MeshData, values: np.ndarray, settings: Settings) -> Steps[StreamlineDrawing]:
+    """values: (n, 3) at the vertices. Raises InputError for a field of zeros and settings without meaning."""
+    yield Step(0.0, "Reading the field")
+    if not values.any():
+        raise InputError("the field is zero everywhere; there is nothing to draw")
+    surface, field = native_field(mesh, values)
+    distance = settings.density * surface.size
+    job = native.start_evenly_spaced_streamlines(field, distance, topology=settings.topology)
+    lines = yield from result_of(job, 0.0, "Placing streamlines")
+    yield Step(1.0, "Making curves", waiting=True)
+    return drawing_of(lines, surface, distance, settings)
+
+
+def drawing_of(lines: Any, surface: Any, distance: float, settings: Settings) -> StreamlineDrawing:
+    """lines: native EvenStreamlines on `surface`, a native TriangleMesh. distance: between lines, mesh units."""
+    radius = 0.5 * settings.width * distance
+    normals = (surface.normals[surface.triangles[lines.faces]] * lines.barycentric[:, :, None]).sum(axis=1)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    points = lines.points + radius * normals
+    width = 1.0 - settings.taper * (1.0 - lines.taper)
+    cuts = lines.offsets[1:-1]
+
+    def split(per_point: np.ndarray) -> list[np.ndarray]:
+        return np.split(per_point, cuts) if len(lines) else []
+
+    curves, radii = split(points), split(radius * width)
+    attributes = {"speed": split(lines.speed), "distance": split(lines.arc)}
+    lengths = [arc[-1] for arc in attributes["distance"]]
+    roles = list(lines.roles)
+    if settings.arrows:
+        at, ahead = _heads(lines, ARROW_EVERY * distance)
+        along = lines.points[ahead] - lines.points[at]
+        along *= (ARROW_LENGTH * radius) / np.linalg.norm(along, axis=1, keepdims=True)
+        owner = np.searchsorted(lines.offsets, at, side="right") - 1
+        for i, step, line in zip(at, along, owner, strict=True):
+            curves.append(np.array([points[i] - 0.5 * step, points[i] + 0.5 * step]))
+            radii.append(np.array([ARROW_RADIUS * radius, 0.0]))
+            attributes["speed"].append(np.full(2, lines.speed[i]))
+            attributes["distance"].append(np.full(2, lines.arc[i]))
+            lengths.append(lengths[line])
+            roles.append(roles[line])
+    heads = len(curves) - len(lines)
+    return StreamlineDrawing(
+        curves,
+        radii,
+        np.concatenate([lines.closed, np.zeros(heads, bool)]),
+        attributes,
+        {
+            "length": np.array(lengths, np.float64),
+            "role": np.array(roles, np.int32),
+            "arrow": np.arange(len(curves)) >= len(lines),
+        },
+        len(lines),
+        lines.quiet_area,
+        len(lines.gaps),
+    )
+
+
+def _heads(lines: Any, every: float) -> tuple[np.ndarray, np.ndarray]:
+    """The points that carry a head, evenly along each line and at least one on long ones, and the points after them."""
+    chosen = []
+    for begin, end in zip(lines.offsets[:-1], lines.offsets[1:], strict=True):
+        arc = lines.arc[begin:end]
+        count = max(int(arc[-1] / every + 0.5), int(arc[-1] > 0.4 * every))
+        chosen.append(begin + np.searchsorted(arc, (np.arange(count) + 0.5) / max(count, 1) * arc[-1]))
+    at = np.unique(np.concatenate(chosen)).astype(np.int64) if chosen else np.zeros(0, np.int64)
+    at = at[lines.taper[at] >= ARROW_TAPER]
+    last = np.isin(at, lines.offsets[1:] - 1)
+    return at[~last], at[~last] + 1
