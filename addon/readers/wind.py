@@ -89,7 +89,12 @@ def _stack(values, latitude, longitude, where: str) -> np.ndarray:
         raise InputError(f"{where}: wind of shape {values.shape} on a grid of {shape}; give latitude × longitude last")
     values = values.reshape(-1, *shape)
     if not np.isfinite(values).all():
-        raise InputError(f"{where}: wind is missing or not finite at {int((~np.isfinite(values)).sum())} grid points")
+        missing = np.argwhere(~np.isfinite(values))
+        time, row, column = missing[0]
+        raise InputError(
+            f"{where}: wind is missing or not finite at {len(missing)} grid points, first at time {time}, latitude "
+            f"{latitude[row]:g}, longitude {longitude[column]:g}; fill them, the whole globe is needed"
+        )
     return values
 
 

@@ -234,6 +234,36 @@ TEST(Tracking, DoesNotDependOnLabelsOrThreads) {
   expectSame(tracking, track(field));
 }
 
+TEST(Tracking, DoesNotDependOnTheOrderOfFaces) {
+  const Surface s = bumpySphere(3, 0.2);
+  const auto charts = makeCharts(s);
+  const ParameterizedField field = randomHistory(charts, 5, 9);
+  Surface other = s;
+  // Faces from last to first, each from its next corner on: every canonical halfedge changes, and every chart.
+  for (Eigen::Index f = 0; f < s.triangles.rows(); ++f) {
+    const auto from = s.triangles.row(s.triangles.rows() - 1 - f);
+    other.triangles.row(f) << from[1], from[2], from[0];
+  }
+  const auto otherCharts = makeCharts(other);
+  std::vector<Complex> values;
+  for (Index j = 0; j < field.sampleCount(); ++j) {
+    for (Index v = 0; v < field.vertexCount(); ++v) {
+      const Index h = charts->mesh().outgoing(v), head = charts->mesh().head(h);
+      Index same = otherCharts->mesh().outgoing(v);
+      while (otherCharts->mesh().head(same) != head) same = otherCharts->mesh().nextOutgoing(same);
+      values.push_back(field.sample(j)[v] * std::polar(1.0, otherCharts->tailAngle(same) - charts->tailAngle(h)));
+    }
+  }
+  const Tracking a = track(field), b = track(makeParameterizedField(otherCharts, field.lambdas, values));
+  ASSERT_EQ(a.paths.size(), b.paths.size());
+  ASSERT_EQ(a.bifurcations.size(), b.bifurcations.size());
+  for (std::size_t i = 0; i < a.bifurcations.size(); ++i) {
+    EXPECT_NEAR(a.bifurcations[i].lambda, b.bifurcations[i].lambda, 1e-12);
+    EXPECT_EQ(a.bifurcations[i].kind, b.bifurcations[i].kind);
+    expectNear(a.bifurcations[i].position, b.bifurcations[i].position, 1e-9);
+  }
+}
+
 TEST(Tracking, KindsAndPlacesAreThoseOfFixedPoints) {
   const ParameterizedField field = smoothBlend(makeCharts(bumpySphere(3, 0.05)), 6, 2);
   const Tracking tracking = track(field);
