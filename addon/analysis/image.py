@@ -25,7 +25,14 @@ VIEW, GRAPH = 6.0, 5.5
 DPI = 180
 #: Names are written into graphs of so many entities at most, and onto surfaces.
 MOST_NAMES, MOST_LABELS = 60, 40
-#: Kinds in the order of the legend: key, colour, what it says, whether it is a curve.
+#: Brightness of a surface seen face on.
+SURFACE = 0.97
+#: How strongly Morse sets are coloured, so that the flow on them is seen.
+PALE = 0.7
+#: Roles of streamlines and their colours: separatrices that leave saddles as what attracts, those that enter as what
+#: repels (thesis 3.4).
+SEPARATRICES = {2: KIND_COLOURS["sink"], 3: KIND_COLOURS["source"]}
+#: Fixed points in the order of the legend, and what the legend calls Morse sets.
 POINTS = ("source", "sink", "saddle", "center", "degenerate")
 SETS = {"source": "repelling set", "sink": "attracting set", "saddle": "saddle-like set", "trivial": "trivial set"}
 
@@ -38,12 +45,9 @@ def draw_analysis(path: str | Path, mesh: Any, vectors: np.ndarray, graph: Entit
     check(path)
     panels, figure, axis = _page(mesh, graph)
     lines = _streamlines(mesh, vectors, topology=True)
-    separatrices = _separatrices(graph)
     for panel in panels:
-        panel.draw_surface(np.full((mesh.face_count, 3), 0.96))
-        panel.draw_streamlines(lines, "0.35")
-        for colour, curves in separatrices.items():
-            panel.draw_curves(curves, KIND_COLOURS[colour], 1.3)
+        panel.draw_surface(np.full((mesh.face_count, 3), SURFACE))
+        panel.draw_streamlines(lines, "0.4", SEPARATRICES)
         for entity in graph.entities:
             if entity.curve is not None:
                 panel.draw_curves([entity.curve], KIND_COLOURS[entity.kind], 2.4)
@@ -52,7 +56,7 @@ def draw_analysis(path: str | Path, mesh: Any, vectors: np.ndarray, graph: Entit
         if len(graph.entities) <= MOST_LABELS:
             panel.draw_labels(np.array([e.position for e in graph.entities]), [e.name for e in graph.entities])
     _draw_graph(axis, graph)
-    _legend(figure, graph, lines=bool(separatrices))
+    _legend(figure, graph, lines=bool(np.isin(lines.roles, list(SEPARATRICES)).any()))
     _save(figure, path)
 
 
@@ -64,8 +68,8 @@ def draw_morse(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGr
     check(path)
     panels, figure, axis = _page(mesh, graph)
     lines = _streamlines(mesh, vectors, topology=False)
-    colours = np.full((mesh.face_count, 3), 0.96)
-    table = np.array([KIND_COLOURS[entity.kind] for entity in graph.entities]).reshape(-1, 3)
+    colours = np.full((mesh.face_count, 3), SURFACE)
+    table = np.array([_pale(entity.kind) for entity in graph.entities]).reshape(-1, 3)
     inside = np.asarray(face_sets) >= 0
     colours[inside] = table[np.asarray(face_sets)[inside]]
     for panel in panels:
@@ -91,7 +95,7 @@ def draw_tracking(path: str | Path, mesh: Any, tracking: Any) -> None:
 
     colour_of = matplotlib.colormaps["viridis"]
     for panel in panels:
-        panel.draw_surface(np.full((mesh.face_count, 3), 0.96))
+        panel.draw_surface(np.full((mesh.face_count, 3), SURFACE))
         for track in tracking.paths:
             panel.draw_coloured_path(track.positions, track.lambdas, colour_of)
         events = [event for event in tracking.bifurcations if event.kind != "hopf"]
@@ -145,20 +149,11 @@ def _streamlines(mesh: Any, vectors: np.ndarray, topology: bool) -> Any:
     return native.start_evenly_spaced_streamlines(field, DENSITY * mesh.size, topology=topology).result()
 
 
-def _separatrices(graph: EntityGraph) -> dict[str, list[np.ndarray]]:
-    """Those that leave saddles in the colour of what attracts them, those that enter in the colour of what repels."""
-    result: dict[str, list[np.ndarray]] = {}
-    for link in graph.links:
-        leaves = graph.entities[link.source].kind == "saddle"
-        for curve in link.curves:
-            result.setdefault("sink" if leaves else "source", []).append(curve)
-    return result
+def _pale(kind: str) -> np.ndarray:
+    return (1.0 - PALE) + PALE * np.array(KIND_COLOURS[kind])
 
 
 def _draw_graph(axis: Any, graph: EntityGraph) -> None:
-    from matplotlib.patches import FancyArrowPatch
-    from matplotlib.path import Path as Curve
-
     from .layout import layout
 
     axis.set_axis_off()
@@ -174,22 +169,15 @@ def _draw_graph(axis: Any, graph: EntityGraph) -> None:
     # Long rows are seen in perspective of their width: the rows keep their distance.
     wide = max(drawn.width, 4.0)
     size = float(np.clip(9000.0 / (wide + 4.0) ** 1.35, 10.0, 420.0))
+    head_size = 6.0 if many else 11.0
     for link, route in zip(graph.links, drawn.routes, strict=True):
-        colour = "sink" if graph.entities[link.source].kind == "saddle" else "source"
-        codes = [Curve.MOVETO, Curve.LINETO] if len(route) == 2 else [Curve.MOVETO, Curve.CURVE3, Curve.CURVE3]
-        points = route if len(route) == 2 else [route[0], 2.0 * route[1] - 0.5 * (route[0] + route[2]), route[2]]
-        axis.add_patch(
-            FancyArrowPatch(
-                path=Curve(points, codes),
-                arrowstyle="-|>",
-                mutation_scale=4.0 if many else 9.0,
-                linewidth=0.8,
-                color=(*KIND_COLOURS[colour], 0.65),
-                shrinkA=0.0,
-                shrinkB=0.5 * np.sqrt(size),
-                zorder=1,
-            )  # fmt: skip
-        )
+        leaves = graph.entities[link.source].row != "repelling"
+        colour = KIND_COLOURS["sink" if leaves else "source"]
+        curve = _bent(route)
+        axis.plot(*curve.T, color=colour, alpha=0.7, linewidth=0.9, zorder=1)
+        head = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0, "lw": 0, "mutation_scale": head_size}
+        middle = len(curve) // 2
+        axis.annotate("", curve[middle + 1], curve[middle], arrowprops=head, zorder=1)
     for entity, place in zip(graph.entities, drawn.positions, strict=True):
         closed = entity.curve is not None
         axis.scatter(
@@ -203,6 +191,14 @@ def _draw_graph(axis: Any, graph: EntityGraph) -> None:
             )  # fmt: skip
     axis.set_xlim(-0.5 * wide - 0.7, 0.5 * wide + 0.7)
     axis.set_ylim(-0.5, 2.5)
+
+
+def _bent(route: np.ndarray, pieces: int = 24) -> np.ndarray:
+    """The route as a smooth curve: a parabola through its bend, where it has one."""
+    t = np.linspace(0.0, 1.0, pieces + 1)[:, None]
+    start, end = route[0], route[-1]
+    control = 2.0 * route[1] - 0.5 * (start + end) if len(route) == 3 else 0.5 * (start + end)
+    return (1.0 - t) ** 2 * start + 2.0 * t * (1.0 - t) * control + t**2 * end
 
 
 def _draw_lives(axis: Any, tracking: Any) -> None:
@@ -239,7 +235,7 @@ def _legend(figure: Any, graph: EntityGraph, lines: bool = False, sets: bool = F
 
     if sets:
         named = {kind: SETS.get(kind, f"{kind} set") for kind in KIND_COLOURS if kind in kinds}
-        handles += [Patch(color=KIND_COLOURS[kind], label=label) for kind, label in named.items()]
+        handles += [Patch(color=_pale(kind), label=label) for kind, label in named.items()]
     else:
         for kind in POINTS:
             if any(entity.kind == kind and entity.curve is None for entity in graph.entities):

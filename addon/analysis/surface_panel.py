@@ -3,7 +3,8 @@
 Hidden parts are left out by the depth buffer of the view (view.py), so lines stay smooth.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from .view import View, look, shade
 PIXELS, MAP_PIXELS = 1100, 1800
 #: Widest streamline, points.
 STREAMLINE = 1.1
+#: How much wider separatrices are.
+MARKED = 1.6
 #: Arrow heads on streamlines: distance along the line and length, in parts of the surface's size.
 ARROW_EVERY, ARROW_LENGTH = 0.35, 0.02
 
@@ -27,7 +30,7 @@ class SurfacePanel:
         axis.set_ylim(0, rows)
         axis.set_aspect("equal")
         if view.is_map:
-            self._degrees(columns, rows)
+            self._draw_degrees(columns, rows)
         else:
             axis.set_axis_off()
             axis.set_title(view.title, fontsize=9, color="0.4")
@@ -38,8 +41,9 @@ class SurfacePanel:
         picture = shade(self.sight, colours)
         self.axis.imshow(picture, origin="lower", extent=(0, columns, 0, rows), interpolation="bilinear", zorder=0)
 
-    def draw_streamlines(self, lines: Any, colour: str) -> None:
-        """lines: native EvenStreamlines, as wide as their taper says, with arrow heads."""
+    def draw_streamlines(self, lines: Any, colour: Any, role_colours: Mapping[int, Any] = MappingProxyType({})) -> None:
+        """lines: native EvenStreamlines, as wide as their taper says, with arrow heads; some roles in a colour of their
+        own and wider."""
         offsets, points, taper = lines.offsets, lines.points, lines.taper
         if not len(points):
             return
@@ -47,8 +51,14 @@ class SurfacePanel:
         last = offsets[1:] - 1
         after[last] = np.where(lines.closed, offsets[:-1], last)
         normals = self._normals(points, lines.faces)
-        self._segments(points, normals, after, colour, STREAMLINE * (0.15 + 0.85 * np.minimum(taper, taper[after])), 1)
+        width = STREAMLINE * (0.15 + 0.85 * np.minimum(taper, taper[after]))
+        role = np.repeat(lines.roles, np.diff(offsets))
+        marked = np.isin(role, list(role_colours))
+        self._segments(points, normals, np.where(marked, np.arange(len(points)), after), colour, width, 1)
         self._arrows(lines, normals, after, colour)
+        for number, own in role_colours.items():
+            chosen = np.where(role == number, after, np.arange(len(points)))
+            self._segments(points, normals, chosen, own, MARKED * width, 3)
 
     def draw_curves(self, curves: Sequence[np.ndarray], colour: Any, width: float) -> None:
         """curves: (k, 3) polylines on the surface."""
@@ -59,7 +69,7 @@ class SurfacePanel:
         after = np.arange(1, len(points) + 1)
         ends = np.cumsum([len(curve) for curve in curves]) - 1
         after[ends] = ends
-        self._segments(points, self._normals(points), after, [colour] * len(points), np.full(len(points), width), 3)
+        self._segments(points, self._normals(points), after, colour, np.full(len(points), width), 3)
 
     def draw_coloured_path(self, points: np.ndarray, lambdas: np.ndarray, colour_of: Callable) -> None:
         """A path over λ, its colour by λ."""
@@ -74,7 +84,7 @@ class SurfacePanel:
             xy = self.sight.project(points[seen])
             chosen = [colour for colour, visible in zip(colours, seen, strict=True) if visible]
             edge = "0.15" if size < 30.0 else "white"
-            self.axis.scatter(*xy.T, s=size, c=chosen, edgecolors=edge, linewidths=0.7, zorder=4)
+            self.axis.scatter(*xy.T, s=size, c=chosen, edgecolors=edge, linewidths=0.7, zorder=5)
 
     def draw_labels(self, points: np.ndarray, names: Sequence[str]) -> None:
         from matplotlib.patheffects import withStroke
@@ -83,7 +93,7 @@ class SurfacePanel:
         for point, name in [(p, n) for p, n, s in zip(points, names, seen, strict=True) if s]:
             self.axis.annotate(
                 name, self.sight.project(point[None])[0], (4, 4), textcoords="offset points", fontsize=6.5,
-                zorder=5, path_effects=[withStroke(linewidth=1.8, foreground="white")],
+                zorder=4, path_effects=[withStroke(linewidth=1.8, foreground="white")],
             )  # fmt: skip
 
     def _normals(self, points: np.ndarray, faces: np.ndarray | None = None) -> np.ndarray:
@@ -108,7 +118,7 @@ class SurfacePanel:
             drawn &= np.abs(xy[after, 0] - xy[:, 0]) < 0.5 * self.sight.shape[1]
         if not drawn.any():
             return
-        chosen = colours if isinstance(colours, str) else np.asarray(colours)[drawn]
+        chosen = colours[drawn] if isinstance(colours, np.ndarray) else colours  # one per segment, or one for all
         segments = np.stack([xy[drawn], xy[after[drawn]]], axis=1)
         self.axis.add_collection(
             LineCollection(
@@ -142,7 +152,7 @@ class SurfacePanel:
         corners = np.stack([tip, tail + 0.55 * scale * aside, tail - 0.55 * scale * aside], axis=1)
         self.axis.add_collection(PolyCollection(corners, facecolors=colour, linewidths=0, zorder=2), autolim=False)
 
-    def _degrees(self, columns: int, rows: int) -> None:
+    def _draw_degrees(self, columns: int, rows: int) -> None:
         east, north = np.arange(-180, 181, 60), np.arange(-90, 91, 30)
         self.axis.set_xticks(
             (east + 180) / 360 * columns, [f"{abs(d)}°{'W' if d < 0 else 'E' if d else ''}" for d in east]
@@ -151,3 +161,7 @@ class SurfacePanel:
             (north + 90) / 180 * rows, [f"{abs(d)}°{'S' if d < 0 else 'N' if d else ''}" for d in north]
         )
         self.axis.tick_params(labelsize=7)
+
+
+def _degrees(angle: int, negative: str, positive: str) -> str:
+    return f"{abs(angle)}°{negative if angle < 0 else positive if angle else ''}"

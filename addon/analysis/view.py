@@ -132,9 +132,9 @@ def shade(sight: Sight, colours: np.ndarray) -> np.ndarray:
         corners = sight.mesh.triangles[faces]
         normals = (sight.mesh.normals[corners] * sight.barycentric[seen][:, :, None]).sum(axis=1)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-        light = np.array([-0.35, 0.45, 0.82]) @ sight.view.axes
+        light = np.array([-0.25, 0.3, 0.9]) @ sight.view.axes
         brightness = np.abs(normals @ (light / np.linalg.norm(light)))
-        picture[seen, :3] *= (0.55 + 0.45 * brightness)[:, None]
+        picture[seen, :3] *= (0.5 + 0.5 * np.minimum(1.0, 1.12 * brightness))[:, None]
     return picture
 
 
