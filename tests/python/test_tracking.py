@@ -151,6 +151,13 @@ def test_track(capsys, grid, tmp_path):
         assert all(0 <= i < len(content["paths"]) for i in event["paths"])
 
 
+def test_a_picture_is_drawn(capsys, grid, tmp_path):
+    image = tmp_path / "t.png"
+    arguments = ("track", grid(), "--sphere-faces", 1280, "--json", tmp_path / "t.json", "--image", image)
+    assert run(capsys, *arguments)[0] == 0
+    assert image.read_bytes()[:4] == b"\x89PNG"
+
+
 def test_filters_leave_less(capsys, grid):
     counts = []
     for options in (("--min-life", 0), ("--min-life", 0.1), ("--min-life", 0.1, "--min-strength", 2.0)):

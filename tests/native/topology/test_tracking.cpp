@@ -56,7 +56,9 @@ void expectPathSound(const ParameterizedField& field, const TrackedPath& path, c
   for (const Complex& value : field.values) largest = std::max(largest, std::abs(value));
   for (std::size_t i = 0; i < path.samples.size(); ++i) {
     const PathSample& sample = path.samples[i];
-    if (i > 0) EXPECT_GE(sample.lambda, path.samples[i - 1].lambda) << what;
+    if (i > 0) {
+      EXPECT_GE(sample.lambda, path.samples[i - 1].lambda) << what;
+    }
     EXPECT_GE(sample.point.barycentric.minCoeff(), 0.0) << what;
     EXPECT_NEAR(sample.point.barycentric.sum(), 1.0, 1e-14) << what;
     expectNear(sample.position, position(mesh, sample.point), 0.0, what);
@@ -65,8 +67,12 @@ void expectPathSound(const ParameterizedField& field, const TrackedPath& path, c
           << what << " at lambda " << sample.lambda << ", sample " << i << " of " << path.samples.size();
     }
   }
-  if (path.begin == PathEnd::Range) EXPECT_EQ(path.samples.front().lambda, field.lambdas.front()) << what;
-  if (path.end == PathEnd::Range) EXPECT_EQ(path.samples.back().lambda, field.lambdas.back()) << what;
+  if (path.begin == PathEnd::Range) {
+    EXPECT_EQ(path.samples.front().lambda, field.lambdas.front()) << what;
+  }
+  if (path.end == PathEnd::Range) {
+    EXPECT_EQ(path.samples.back().lambda, field.lambdas.back()) << what;
+  }
 }
 
 /// Every inner end is one bifurcation of the right kind, and every bifurcation is the end of the paths it names.
