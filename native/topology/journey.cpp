@@ -69,6 +69,11 @@ Index Destinations::orbitAt(const Passage& passage, double distance) const {
   return kNone;
 }
 
+EntityRef Destinations::circledIn(Index face) const {
+  if (hasPart_[face] == 0) return {};
+  return {EntityKind::FixedPoint, partsIn_.at(face).front().first};
+}
+
 EntityRef Destinations::restingAt(const TriangleMesh& mesh, const SurfacePoint& p) const {
   const Vec3 here = position(mesh, p);
   EntityRef nearest;
@@ -129,9 +134,9 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
       visits_.clear();
     }
     if (!passage) {
-      // Around a focus that is too weak to end anything.
-      if (++idle > kIdleSteps) arrive({destinations.restingAt(mesh, p), 0});
-      return idle <= kIdleSteps;
+      if (++idle <= kIdleSteps) return true;
+      arrive({destinations.circledIn(p.face), 0});
+      return false;
     }
     idle = 0;
     ++crossings_;

@@ -29,6 +29,8 @@ class Destinations {
   std::optional<Arrival> orbitBeyond(const Passage& passage, Direction direction) const;
   /// The orbit of which this passage is part, up to a distance (mesh units).
   Index orbitAt(const Passage& passage, double distance) const;
+  /// The node that a streamline inside this face circles for good.
+  EntityRef circledIn(Index face) const;
   /// The saddle or other fixed point next to where a streamline has come to rest.
   EntityRef restingAt(const TriangleMesh& mesh, const SurfacePoint& p) const;
   Index bandAt(Index face) const {

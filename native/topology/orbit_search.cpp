@@ -23,7 +23,7 @@ constexpr int kMostPieces = 24;
 constexpr int kBeyond = 2, kBeyondBest = 1;
 
 Index allowedCrossings(Index once) {
-  return 6 * once + 500;
+  return 4 * once + 200;
 }
 
 }  // namespace
@@ -51,8 +51,7 @@ OrbitSearch::Outcome OrbitSearch::follow(const Candidate& candidate,
   ReturnMap returns = map(candidate.direction, section, candidate.loops, candidate.part, candidate.crossings);
   const March way = checked(returns, start, march(returns, start));
   if (!way.fixed) {
-    const bool slow = way.largest <= kSlow * edge_ && std::abs(way.reached - start) > 4.0 * way.largest;
-    if (!slow) return {};
+    if (std::abs(way.reached - start) <= 4.0 * way.largest) return {};
     return {std::nullopt, section.point(field_.mesh(), way.reached, candidate.direction)};
   }
   FoundOrbit found;
@@ -91,24 +90,30 @@ OrbitSearch::March OrbitSearch::march(ReturnMap& returns, double start) const {
 
   double limit = sign > 0.0 ? high : low;  // streamlines return as far as here, as far as is known
   double a = start, atA = *first, b = std::clamp(a + atA, low, high);
-  double largest = std::abs(atA);
-  for (int step = 0; step < 40 && sign * (limit - a) > kNearLimit * edge_; ++step) {
+  double reached = start, largest = std::abs(atA);
+  bool slow = largest <= kSlow * edge_;
+  // Return maps grow with the position: an orbit lies beyond where the streamline itself comes back.
+  for (int step = 0; step < 40 && sign * (limit - a - atA) > kNearLimit * edge_; ++step) {
     const auto atB = displacement(b);
     if (!atB) {
       limit = b;
       b = 0.5 * (a + b);
       continue;
     }
-    if (sign * *atB <= 0.0) return {solve(returns, a, atA, b, *atB), a, largest, false};
+    if (sign * *atB <= 0.0) return {solve(returns, a, atA, b, *atB), reached, largest, false};
     const double slope = (*atB - atA) / (b - a);
     double reach = 3.0 * std::abs(b - a);
     if (slope < 0.0) reach = std::min(1.25 * std::abs(*atB / slope) + 10.0 * kConverged * edge_, 20.0 * reach);
     a = b;
     atA = *atB;
-    largest = std::max(largest, std::abs(atA));
+    slow = slow && std::abs(atA) <= kSlow * edge_;
+    if (slow) {
+      reached = a;
+      largest = std::max(largest, std::abs(atA));
+    }
     b = sign > 0.0 ? std::min(a + reach, limit) : std::max(a - reach, limit);
   }
-  return {std::nullopt, a, largest, false};
+  return {std::nullopt, reached, largest, false};
 }
 
 /// The march may have stepped over two orbits at once: looks again, in short steps, and turns to the first sign change.

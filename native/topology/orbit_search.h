@@ -80,7 +80,7 @@ class OrbitSearch {
   ReturnMap map(Direction direction, const Section& section, int loops, Index part, Index crossings) const;
   struct March {
     std::optional<double> fixed;  ///< position of the orbit
-    double reached = 0.0;         ///< else, the last position from which streamlines return
+    double reached = 0.0;         ///< else, how far streamlines wind slowly
     double largest = 0.0;         ///< the largest displacement on the way there
     bool closedAround = false;
   };
