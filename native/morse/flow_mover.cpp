@@ -11,6 +11,8 @@ namespace {
 
 /// Part of the speed around a vertex below which the flow is no longer of unit speed.
 constexpr double kSlow = 0.02;
+/// A trace that gets on by less than this part of tau within the limit of steps is stuck.
+constexpr double kStuck = 1e-6;
 
 template <typename Flow>
 class FlowMover final : public Mover {
@@ -19,20 +21,33 @@ class FlowMover final : public Mover {
       : integrator_(faces, flow, options, 0.0), progress_(progress) {}
 
   Arrival move(const SurfacePoint& from, double tau) override {
-    const TraceEnd end = integrator_.run(from, 0.0, tau, [&](const SurfacePoint&, double) { look(); });
-    return {end.point, end.reason == StopReason::Boundary};
+    return follow(from, tau, [](const SurfacePoint&, double) {});
   }
 
   std::vector<Passage> way(const SurfacePoint& from, double tau) override {
     std::vector<Passage> passages;
-    integrator_.run(from, 0.0, tau, [&](const SurfacePoint& p, double time) {
-      look();
-      passages.push_back({p, time});
-    });
+    follow(from, tau, [&](const SurfacePoint& p, double time) { passages.push_back({p, time}); });
     return passages;
   }
 
  private:
+  /// In stretches of many steps, as long as they get on: a trace may be stuck in a face that is almost a line.
+  template <typename Visit>
+  Arrival follow(SurfacePoint from, double tau, const Visit& visit) {
+    double done = 0.0;
+    while (true) {
+      const TraceEnd end = integrator_.run(from, 0.0, tau - done, [&](const SurfacePoint& p, double time) {
+        look();
+        visit(p, done + time);
+      });
+      if (end.reason != StopReason::StepLimit || !(end.time > kStuck * tau)) {
+        return {end.point, end.reason == StopReason::Boundary};
+      }
+      from = end.point;
+      done += end.time;
+    }
+  }
+
   void look() {
     if (progress_ != nullptr && (++steps_ & 1023) == 0) progress_->check();
   }
@@ -82,7 +97,9 @@ TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit,
     if (std::isfinite(field.values[v].real()) && std::isfinite(field.values[v].imag())) continue;
     throw InputError(message("the vector at vertex ", v, " is not finite; give it a value"));
   }
-  checkOptions({.tolerance = tolerance});
+  TraceOptions options;
+  options.tolerance = tolerance;
+  checkOptions(options);
   if (unit == TauUnit::Length) slowSpeeds_ = slowSpeeds(field);
   for (Index h = 0; h < mesh().halfedgeCount(); ++h) {
     flowsOut_[h] = mesh().twin(h) == kNone && crossedOutwards(faces, field, h);
@@ -91,8 +108,9 @@ TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit,
 
 std::unique_ptr<Mover> TauFlow::mover(Direction direction, const Progress* progress) const {
   const double rate = direction == Direction::Backward ? -1.0 : 1.0;
-  const TraceOptions options{
-      .direction = direction, .tolerance = tolerance_, .maximalSteps = std::numeric_limits<Index>::max()};
+  TraceOptions options;
+  options.direction = direction;
+  options.tolerance = tolerance_;
   if (unit_ == TauUnit::Time) {
     return std::make_unique<FlowMover<SteadyFlow>>(*faces_, SteadyFlow(field_->values.data(), rate), options, progress);
   }

@@ -1,0 +1,282 @@
+#include "morse/refinement.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "base/message.h"
+#include "combinatorial/geometry_map.h"
+#include "field/poincare_index.h"
+#include "morse/recurrence.h"
+#include "morse/tau_rows.h"
+
+namespace stormfield {
+namespace {
+
+/// Sets whose priority is within this factor of the highest are refined in the same round.
+constexpr double kRound = 16.0;
+/// Steps of doubling by default.
+constexpr double kTauRange = 64.0, kTauMinEdges = 2.0;
+
+void checkTau(const std::optional<double>& tau, const char* name) {
+  if (!tau || (*tau > 0.0 && std::isfinite(*tau))) return;
+  throw InputError(message(name, " is ", *tau, "; it must be a positive number"));
+}
+
+/// The strongly connected components of the faces of some sets, by edges within each set.
+struct LocalParts {
+  std::vector<Index> faces;  ///< ascending
+  Components components;     ///< of the places in faces
+};
+
+LocalParts splitSets(const FaceSets& sets, const std::vector<Index>& chosen,
+                     const std::vector<std::vector<Index>>& rows) {
+  LocalParts parts;
+  for (const Index set : chosen) parts.faces.insert(parts.faces.end(), sets.faces(set).begin(), sets.faces(set).end());
+  std::sort(parts.faces.begin(), parts.faces.end());
+  std::vector<Index> place(sets.setOf().size(), kNone);
+  for (std::size_t i = 0; i < parts.faces.size(); ++i) place[parts.faces[i]] = static_cast<Index>(i);
+  DirectedGraph graph;
+  for (const Index f : parts.faces) {
+    for (const Index target : rows[f]) {
+      const bool inside = target < static_cast<Index>(place.size()) && sets.setOf(target) == sets.setOf(f);
+      if (inside) graph.targets.push_back(place[target]);
+    }
+    graph.offsets.push_back(graph.targets.size());
+  }
+  parts.components = stronglyConnectedComponents(graph);
+  return parts;
+}
+
+CombinatorialMap mapOf(const std::vector<std::vector<Index>>& rows) {
+  CombinatorialMap map;
+  auto& [offsets, targets] = map.graph;
+  offsets.assign(rows.size() + 2, 0);
+  for (std::size_t f = 0; f < rows.size(); ++f) offsets[f + 1] = offsets[f] + rows[f].size();
+  offsets.back() = offsets[rows.size()];
+  targets.reserve(offsets.back());
+  for (const auto& row : rows) targets.insert(targets.end(), row.begin(), row.end());
+  return map;
+}
+
+}  // namespace
+
+double refinementPriority(const ConleyIndex& index, std::size_t faceCount) {
+  constexpr ConleyIndex kBasic[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {0, 1, 1}};
+  int distance = std::numeric_limits<int>::max();
+  for (const ConleyIndex& basic : kBasic) {
+    distance = std::min(distance,
+                        std::abs(index.b0 - basic.b0) + std::abs(index.b1 - basic.b1) + std::abs(index.b2 - basic.b2));
+  }
+  return (1.0 + distance) * static_cast<double>(faceCount);
+}
+
+MorseRefinement::MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
+                                 const RefinementOptions& options)
+    : faces_(std::move(faces)),
+      field_(std::move(field)),
+      options_(options),
+      flow_(std::make_shared<const TauFlow>(*faces_, *field_, options.map.unit, options.map.tolerance)),
+      poincare_(poincareIndices(*field_)),
+      resting_(restingFaces(*field_)) {
+  checkTau(options.tauMin, "tauMin");
+  checkTau(options.tauMax, "tauMax");
+  const auto moves = [](const Complex& v) { return v != 0.0; };
+  if (options.tauMin) {
+    tauMin_ = *options.tauMin;
+  } else if (std::any_of(field_->values.begin(), field_->values.end(), moves)) {
+    tauMin_ = startingTau(*field_, options.map.unit, kTauMinEdges);
+    if (options.tauMax) tauMin_ = std::min(tauMin_, *options.tauMax);
+  }
+  tauMax_ = options.tauMax.value_or(kTauRange * tauMin_);
+
+  const CombinatorialMap coarse = geometryMap(*field_);
+  rows_.resize(coarse.outside());
+  taus_.assign(coarse.outside(), 0.0);
+  for (Index f = 0; f < coarse.outside(); ++f) rows_[f].assign(coarse.graph.begin(f), coarse.graph.end(f));
+  Progress silent;
+  MorseOptions morseOptions;
+  morseOptions.resting = resting_;
+  MorseDecomposition start = morseDecomposition(*field_, coarse, morseOptions, silent);
+  sets_ = std::move(start.faces);
+  indices_ = std::move(start.sets);
+  trials_.resize(indices_.size());
+}
+
+CombinatorialMap MorseRefinement::map() const {
+  return mapOf(rows_);
+}
+
+double MorseRefinement::nextTau(const Trial& trial) const {
+  return trial.tau > 0.0 ? 2.0 * trial.tau : tauMin_;
+}
+
+double MorseRefinement::priority(Index set) const {
+  return refinementPriority(indices_[set].index, sets_.faces(set).size());
+}
+
+/// The sets of the next round, ascending; none when all are done.
+std::vector<Index> MorseRefinement::chooseSets() const {
+  std::vector<std::pair<double, Index>> open;
+  for (Index s = 0; s < sets_.count(); ++s) {
+    const Trial& trial = trials_[s];
+    const double p = priority(s);
+    if (!trial.done && p > options_.leastPriority && nextTau(trial) <= tauMax_ && tauMax_ > 0.0)
+      open.push_back({-p, s});
+  }
+  std::sort(open.begin(), open.end());
+  std::vector<Index> chosen;
+  for (const auto& [p, s] : open) {
+    const bool most = -p * kRound >= -open.front().first;
+    if (most && steps_ + static_cast<Index>(chosen.size()) < options_.maximalSteps) chosen.push_back(s);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+RefinementStop MorseRefinement::refine(Progress* progress) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  Progress step;  // looked at by the work inside, which does not know how much there is
+  while (true) {
+    if (progress != nullptr && progress->cancelled()) return RefinementStop::Cancelled;
+    if (steps_ >= options_.maximalSteps) return RefinementStop::Steps;
+    if (std::chrono::duration<double>(Clock::now() - begin).count() >= options_.maximalSeconds) {
+      return RefinementStop::Time;
+    }
+    const std::vector<Index> chosen = chooseSets();
+    if (chosen.empty()) return RefinementStop::Done;
+    if (progress != nullptr) progress->range(doneFraction(), std::max(doneFraction(), 0.99));
+    try {
+      refineAll(chosen, progress);
+    } catch (const Cancelled&) {
+      return RefinementStop::Cancelled;
+    }
+  }
+}
+
+bool MorseRefinement::refineSet(Index set, Progress* progress) {
+  if (set < 0 || set >= sets_.count()) {
+    throw InputError(message("there is no Morse set ", set, "; choose one from 0 to ", sets_.count() - 1));
+  }
+  if (!(tauMax_ > 0.0)) return false;
+  const MorseRefinement before = *this;
+  try {
+    // As long as the set stays as it is, it keeps its number.
+    while (nextTau(trials_[set]) <= tauMax_) {
+      if (refineAll({set}, progress).front() != 0) return true;
+    }
+  } catch (const Cancelled&) {
+    *this = before;
+    throw;
+  }
+  return false;
+}
+
+/// How far the sets have come between the first tau and the last, by faces.
+double MorseRefinement::doneFraction() const {
+  double done = 0.0, all = 1e-300;
+  for (Index s = 0; s < sets_.count(); ++s) {
+    const auto size = static_cast<double>(sets_.faces(s).size());
+    const double levels = std::max(1.0, std::log2(tauMax_ / tauMin_) + 1.0);
+    const double level = trials_[s].tau > 0.0 ? std::log2(trials_[s].tau / tauMin_) + 1.0 : 0.0;
+    const bool closed = trials_[s].done || priority(s) <= options_.leastPriority;
+    all += size * levels;
+    done += size * (closed ? levels : std::min(level, levels));
+  }
+  return std::min(0.99, done / all);
+}
+
+/// One step for each of the chosen sets; whether each of them changed. All or nothing.
+std::vector<char> MorseRefinement::refineAll(const std::vector<Index>& chosen, Progress* progress) {
+  std::map<double, std::vector<Index>> groups;
+  for (const Index s : chosen) {
+    auto& group = groups[nextTau(trials_[s])];
+    group.insert(group.end(), sets_.faces(s).begin(), sets_.faces(s).end());
+  }
+  const std::size_t limit = options_.map.memoryLimit.value_or(std::numeric_limits<std::size_t>::max());
+  std::vector<std::pair<double, TauRows>> computed;
+  for (auto& [tau, members] : groups) {
+    std::sort(members.begin(), members.end());
+    computed.emplace_back(tau, tauRows(*flow_, members, tau, limit, progress, &work_));
+  }
+  auto row = computed.begin();
+  for (const auto& [tau, members] : groups) {
+    const auto& [offsets, targets] = row->second;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      rows_[members[i]].assign(targets.begin() + static_cast<std::ptrdiff_t>(offsets[i]),
+                               targets.begin() + static_cast<std::ptrdiff_t>(offsets[i + 1]));
+      taus_[members[i]] = tau;
+    }
+    ++row;
+  }
+  for (const Index s : chosen) trials_[s].tau = nextTau(trials_[s]);
+  steps_ += static_cast<Index>(chosen.size());
+  return replace(chosen);
+}
+
+/// Puts the components of the chosen sets in their place; whether each of them changed.
+std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen) {
+  const auto faceCount = static_cast<std::size_t>(faces_->mesh().faceCount());
+  const LocalParts parts = splitSets(sets_, chosen, rows_);
+  std::vector<Index> number(parts.components.count(), kNone), setOf(faceCount, kNone), parent;
+  for (std::size_t i = 0; i < parts.faces.size(); ++i) {
+    const Index component = parts.components.of[i];
+    if (parts.components.recurrent[component] == 0) continue;
+    if (number[component] == kNone) {
+      number[component] = static_cast<Index>(parent.size());
+      parent.push_back(sets_.setOf(parts.faces[i]));
+    }
+    setOf[parts.faces[i]] = number[component];
+  }
+  const FaceSets fresh(std::move(setOf), static_cast<Index>(parent.size()));
+  const std::vector<char> recurs = canRecur(faces_->mesh(), fresh, resting_);
+
+  std::vector<std::vector<Index>> freshRows(faceCount);
+  std::vector<char> mapped(faceCount, 0);
+  for (const Index f : parts.faces) {
+    freshRows[f] = rows_[f];
+    mapped[f] = 1;
+  }
+  const CombinatorialMap map = mapOf(freshRows);
+
+  struct Kept {
+    const FaceSets* from;
+    Index set;
+    MorseSet index;
+    Trial trial;
+  };
+  std::vector<Kept> kept;
+  for (Index s = 0; s < sets_.count(); ++s) {
+    if (!std::binary_search(chosen.begin(), chosen.end(), s)) kept.push_back({&sets_, s, indices_[s], trials_[s]});
+  }
+  std::vector<char> changed(chosen.size(), 1);
+  for (Index s = 0; s < fresh.count(); ++s) {
+    if (recurs[s] == 0) continue;
+    Trial trial = trials_[parent[s]];
+    const bool same = fresh.faces(s).size() == sets_.faces(parent[s]).size();
+    trial.unchanged = same ? trial.unchanged + 1 : 0;
+    trial.done = trial.unchanged >= options_.patience;
+    if (same) changed[std::lower_bound(chosen.begin(), chosen.end(), parent[s]) - chosen.begin()] = 0;
+    kept.push_back({&fresh, s, morseSet(*field_, map, poincare_, mapped, fresh, s), trial});
+  }
+  std::sort(kept.begin(), kept.end(),
+            [](const Kept& a, const Kept& b) { return a.from->faces(a.set).front() < b.from->faces(b.set).front(); });
+
+  std::vector<Index> all(faceCount, kNone);
+  std::vector<MorseSet> indices;
+  std::vector<Trial> trials;
+  for (const Kept& k : kept) {
+    for (const Index f : k.from->faces(k.set)) all[f] = static_cast<Index>(indices.size());
+    indices.push_back(k.index);
+    trials.push_back(k.trial);
+  }
+  sets_ = FaceSets(std::move(all), static_cast<Index>(indices.size()));
+  indices_ = std::move(indices);
+  trials_ = std::move(trials);
+  return changed;
+}
+
+}  // namespace stormfield

@@ -1,0 +1,102 @@
+// Hierarchical refinement of Morse decompositions (thesis 8): from the coarse sets of the geometry-based map, those
+// that may hold more than one feature get rows of tau maps inside, with tau doubled from step to step.
+//
+// In each round the sets of highest priority (thesis 8.3) are refined: all faces of a set get the row of one tau, and
+// its strongly connected components inside the set take its place. What a set splits into stays within it, the other
+// sets and the order between sets do not change (thesis 8.2.1), so that every round leaves a valid decomposition. A set
+// is done when its priority is low, when its tau would exceed the limit, or when doubling no longer changes it.
+//
+//   MorseRefinement refinement(faces, field, {.tauMax = 0.5});
+//   const RefinementStop stop = refinement.refine(&progress);
+//   refinement.sets();  refinement.taus();
+//   const CombinatorialMap map = refinement.map();          // = tauMap(faces, field, refinement.taus())
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "morse/flow_mover.h"
+#include "morse/morse_decomposition.h"
+#include "morse/tau_map.h"
+
+namespace stormfield {
+
+struct RefinementOptions {
+  TauMapOptions map;             ///< unit and accuracy of the tau maps
+  std::optional<double> tauMin;  ///< of the first step; none: the starting tau for two edges
+  std::optional<double> tauMax;  ///< none: 64 times tauMin
+  double leastPriority = 2.0;    ///< sets of this priority or less are left as they are (r of thesis 8.3)
+  int patience = 3;              ///< doublings in a row that leave a set as it is, until it is done
+  Index maximalSteps = 100000;   ///< refinements of one set at one tau, in all
+  double maximalSeconds = std::numeric_limits<double>::infinity();  ///< looked at between rounds
+};
+
+enum class RefinementStop {
+  Done,       ///< no set is left to refine
+  Steps,      ///< maximalSteps were used
+  Time,       ///< maximalSeconds have passed
+  Cancelled,  ///< the sets are those of the last complete round
+};
+
+/// A decomposition that can be refined; copies are independent.
+class MorseRefinement {
+ public:
+  /// The coarse start. faces: of the field's mesh. Throws InputError for tauMin or tauMax that are not positive
+  /// numbers.
+  MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
+                  const RefinementOptions& options = {});
+
+  /// Refines until a limit is met or nothing is left. Being cancelled is no error: it leaves what is complete.
+  RefinementStop refine(Progress* progress = nullptr);
+  /// Refines one set, whatever its priority, until it changes or tauMax is met; whether it changed. Throws InputError
+  /// for a set that does not exist, and Cancelled, which leaves everything as it was.
+  bool refineSet(Index set, Progress* progress = nullptr);
+
+  /// The sets that can recur, numbered by their first faces.
+  const FaceSets& sets() const { return sets_; }
+  /// Index and kind of each set.
+  const std::vector<MorseSet>& indices() const { return indices_; }
+  /// The tau of every face's row; 0 where it is the geometry-based one.
+  const std::vector<double>& taus() const { return taus_; }
+  CombinatorialMap map() const;
+  /// Refinements of one set so far, and the traces they took.
+  Index steps() const { return steps_; }
+  std::size_t traces() const { return work_.traces; }
+
+ private:
+  struct Trial {
+    double tau = 0.0;   ///< of the last step, 0 for none
+    int unchanged = 0;  ///< steps in a row without change
+    bool done = false;
+  };
+
+  double nextTau(const Trial& trial) const;
+  double priority(Index set) const;
+  std::vector<Index> chooseSets() const;
+  std::vector<char> refineAll(const std::vector<Index>& chosen, Progress* progress);
+  std::vector<char> replace(const std::vector<Index>& chosen);
+  double doneFraction() const;
+
+  std::shared_ptr<const FlatFaces> faces_;
+  std::shared_ptr<const VectorField> field_;
+  RefinementOptions options_;
+  std::shared_ptr<const TauFlow> flow_;
+  std::vector<int> poincare_;
+  std::vector<char> resting_;
+  double tauMin_ = 0.0, tauMax_ = 0.0;
+
+  std::vector<std::vector<Index>> rows_;  ///< of F, per face
+  std::vector<double> taus_;
+  FaceSets sets_;
+  std::vector<MorseSet> indices_;
+  std::vector<Trial> trials_;  ///< per set
+  Index steps_ = 0;
+  TauWork work_;
+};
+
+/// Priority of thesis equation 8.1: (1 + the distance of the index from those of fixed points and periodic orbits)
+/// times the number of faces.
+double refinementPriority(const ConleyIndex& index, std::size_t faceCount);
+
+}  // namespace stormfield
