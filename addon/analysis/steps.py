@@ -86,6 +86,13 @@ def morse_steps(mesh: MeshData, values: np.ndarray, lam: float, **options: Any) 
     return MorseSets(found, surface, field, native.mean_speed(field), mcg.morse_graph(found, surface, lam))
 
 
+def refine_set_steps(morse: MorseSets, index: int) -> Steps[MorseSets]:
+    """One set divided further by larger τ inside it; the others and the order stay."""
+    found = yield from result_of(morse.decomposition.start_refine_set(index), 0.0, "Dividing the set")
+    yield Step(1.0, "Ordering the sets", waiting=True)
+    return replace(morse, decomposition=found, graph=mcg.morse_graph(found, morse.surface, morse.graph.lam))
+
+
 def starting_tau(surface: Any, field: Any, method: str) -> float:
     """A τ to begin with: the seconds ("tau") or mesh units ("spatial") to cross four edges at the mean speed."""
     length = 4.0 * surface.mean_edge_length

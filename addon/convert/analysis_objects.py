@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..analysis.entities import KIND_COLOURS, Entity, EntityGraph
-from ..analysis.tracking import Tracking
+from ..analysis.tracking import Bifurcation, TrackedPath, Tracking
 from . import entity_nodes, morse_faces
 from .curve_objects import ROLE, find_curves, make_curves, remove_curves
 
@@ -125,16 +125,23 @@ def show_tracking(scene: bpy.types.Scene, obj: bpy.types.Object, tracking: Track
         item.note = f"{_BEGIN[path.begin]}, {_END[path.end]}"
     for event in events:
         item = entities.items.add()
-        item.name, item.kind, item.row = event.title.capitalize(), event.kind, event.node
+        item.name, item.kind, item.row = _event_name(event, paths), event.kind, event.node
         item.position = event.position
         mine = [paths[index] for index in event.paths]
-        item.note = ", ".join(path.name for path in mine)
+        item.note = event.title.capitalize()
         item.strength = max((path.strength for path in mine), default=0.0)
         # A bifurcation is as important as the most persistent of its paths; `lam` is where it happens.
         item.lam = event.lam
         item.life = max((path.life for path in mine), default=0.0)
     _list_is_full(obj, entities)
     return _hide_short_lived(entities, len(paths))
+
+
+def _event_name(event: Bifurcation, paths: Sequence[TrackedPath]) -> str:
+    """Short: whom it befalls, and what."""
+    whom = " ".join(paths[index].name for index in event.paths)
+    happens = {"creation": "appear", "annihilation": "vanish"}.get(event.kind, f"→ {event.node}")
+    return f"{whom} {happens}".strip()
 
 
 def _hide_short_lived(entities, paths: int) -> int:

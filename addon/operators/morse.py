@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..analysis.steps import MorseSets, morse_steps
+from ..analysis.steps import MorseSets, morse_steps, native_field, refine_set_steps, starting_tau
 from ..convert import analysis_objects
 from ..convert.current_field import read_current
 from . import morse_state
@@ -29,6 +29,58 @@ class STORMFIELD_OT_morse_sets(AnalysisOperator, bpy.types.Operator):
         self.report({"INFO"}, f"'{obj.name}' at λ {found.graph.lam:.3f}: {sets} Morse sets, {links} links")
 
 
+class STORMFIELD_OT_refine_morse(AnalysisOperator, bpy.types.Operator):
+    """Divide coarse sets further by ever larger τ inside them, where it pays, at the current λ. Esc stops"""
+
+    bl_idname = "stormfield.refine_morse"
+    bl_label = "Refine"
+    bl_options = {"REGISTER", "UNDO"}
+    job_title = "Refining"
+
+    def start(self, context, obj):
+        field = read_current(context, obj)
+        self._attribute = field.attribute
+        settings = obj.stormfield.morse
+        surface, values = native_field(field.mesh, field.values)
+        # A refinement begins below the τ that a single map would take.
+        first = 0.5 * starting_tau(surface, values, "spatial" if settings.method == "spatial" else "tau")
+        options = morse_state.refine_options(settings, first)
+        return morse_steps(field.mesh, field.values, field.lam, **options)
+
+    def finish(self, _context, obj, found):
+        show(obj, found, self._attribute)
+        ended = {"time": "; the time was up", "steps": "; the steps were used up"}.get(found.decomposition.stop, "")
+        self.report({"INFO"}, f"'{obj.name}': {len(found.graph.entities)} Morse sets after refinement{ended}")
+
+
+class STORMFIELD_OT_refine_set(AnalysisOperator, bpy.types.Operator):
+    """Divide the selected Morse set further by larger τ inside it; the others stay as they are. Esc stops"""
+
+    bl_idname = "stormfield.refine_set"
+    bl_label = "Refine this Set"
+    bl_options = {"REGISTER", "UNDO"}
+    job_title = "Refining"
+
+    @classmethod
+    def why_not(cls, obj):
+        return morse_state.why_no_refinement(obj)
+
+    def start(self, _context, obj):
+        state = morse_state.of(obj)
+        entities = obj.stormfield.analysis.mcg
+        self._attribute, self._before = state.attribute, len(entities.items)
+        self._name = entities.selected().name
+        return refine_set_steps(state.found, entities.active)
+
+    def finish(self, _context, obj, found):
+        more = len(found.graph.entities) - self._before
+        if more == 0:
+            self.report({"INFO"}, f"{self._name} stays one set up to the largest τ")
+            return
+        show(obj, found, self._attribute)
+        self.report({"INFO"}, f"{self._name} is divided: {len(found.graph.entities)} sets, {more} more than before")
+
+
 def show(obj: bpy.types.Object, found: MorseSets, attribute: str) -> None:
     """Bring a decomposition to the object, and remember it for refinement and simplification."""
     analysis_objects.show_morse(obj, found.graph, found.decomposition.face_sets, attribute)
@@ -36,4 +88,4 @@ def show(obj: bpy.types.Object, found: MorseSets, attribute: str) -> None:
     morse_state.remember(obj, found, attribute)
 
 
-CLASSES = (STORMFIELD_OT_morse_sets,)
+CLASSES = (STORMFIELD_OT_morse_sets, STORMFIELD_OT_refine_morse, STORMFIELD_OT_refine_set)

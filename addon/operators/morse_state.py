@@ -34,6 +34,27 @@ def options(settings) -> dict[str, Any]:
     return {"method": settings.method, "tau": (settings.tau if settings.method == "tau" else settings.length) or None}
 
 
+def refine_options(settings, first_tau: float) -> dict[str, Any]:
+    """Options of native.start_morse for a refinement that begins with `first_tau` where the panel says 0."""
+    method = "spatial" if settings.method == "spatial" else "tau"
+    begin = (settings.length if method == "spatial" else settings.tau) or first_tau
+    limits = {"tau": begin, "tau_max": begin * settings.tau_max, "seconds": settings.seconds}
+    return {"method": method, "refine": True, **limits}
+
+
+def why_no_refinement(obj: bpy.types.Object) -> str:
+    """Why the selected set cannot be refined by itself, and the cure; empty when it can."""
+    state, entities = of(obj), obj.stormfield.analysis.mcg
+    if state is None:
+        return "Make Morse Sets with the method Directions, or Refine, first"
+    if entities.selected() is None:
+        return "Select a Morse set in the list, the graph or the view first"
+    decomposition = state.found.decomposition
+    if decomposition.stop is None and (decomposition.method != "geometry" or decomposition.eps > 0):
+        return "Sets of one τ everywhere, or with an error, stay as they are; use Refine, or Directions without error"
+    return ""
+
+
 def remember(obj: bpy.types.Object, found: MorseSets, attribute: str) -> None:
     state = MorseState(found, attribute, next(_serials))
     obj.stormfield.analysis.mcg.serial = state.serial

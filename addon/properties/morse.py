@@ -1,7 +1,7 @@
 """Settings of Morse decompositions, and what the last one was made with."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 METHODS = (
     ("geometry", "Directions", "By the direction in which the flow crosses each edge: fast, coarse, exact indices", 0),
@@ -70,14 +70,12 @@ class MorseProperties(bpy.types.PropertyGroup):
     )
     tau_max: FloatProperty(
         name="Largest τ",
-        description="Refinement doubles τ inside a set up to so many times the τ above (factor)",
+        description="Refinement doubles τ inside a set up to so many times the τ it begins with (factor)",
         min=1.0,
         soft_max=256.0,
+        max=1e6,
         default=64.0,
         precision=0,
-    )
-    max_sets: IntProperty(
-        name="Sets at Most", description="Refinement ends at so many sets (count)", min=1, default=500
     )
     seconds: FloatProperty(
         name="Time at Most",

@@ -18,7 +18,7 @@ from . import drawing_cache
 from .field_drawing import LIFT, Surface
 
 #: Widths of lines, in parts of the artist's line width.
-WIDTHS = {objects.SEPARATRICES: 1.0, objects.ORBITS: 1.7, objects.PATHS: 1.4}
+WIDTHS = {objects.SEPARATRICES: 1.0, objects.ORBITS: 1.7, objects.PATHS: 1.8}
 #: λ nearer than this is the λ that was analyzed.
 SAME_LAM = 5e-4
 

@@ -136,12 +136,16 @@ def _marks(obj, drawing) -> list[Marker]:
     for mark in visible_marks(obj, drawing):
         opacity, size = 1.0, 1.0
         if mark.lam is not None:
-            opacity, size = 0.35 + 0.65 * np.exp(-(((mark.lam - obj.stormfield.lam) / 0.04) ** 2)), 0.85
+            opacity = 0.4 + 0.6 * np.exp(-(((mark.lam - obj.stormfield.lam) / 0.04) ** 2))
+            size = 0.5 if mark.kind == "hopf" else 0.95
+        selected = (mark.which, mark.index) == (analysis.shown, analysis.list(analysis.shown).active)
+        if selected:
+            opacity, size = 1.0, 1.0
         if mark.lam is not None or mark.which == "mcg":
             shown.append(Marker(mark.kind, mark.position, size, opacity))
         elif mark.kind in {"repelling", "attracting"}:
             shown.append(Marker(mark.kind, mark.position, 0.8))
-        if (mark.which, mark.index) == (analysis.shown, analysis.list(analysis.shown).active):
+        if selected:
             shown.append(Marker("ring", mark.position))
     return shown
 

@@ -40,6 +40,7 @@ class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
             column.prop(settings, name)
             if getattr(settings, name) == 0:
                 text_lines(context, layout, self._suggestion(obj, settings.method), icon="INFO")
+        self._draw_refinement(context, layout, obj, settings)
         state = morse_state.of(obj)
         if not obj.stormfield.analysis.mcg.made:
             return
@@ -49,6 +50,21 @@ class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
             column.prop(settings, "simplify", slider=True)
             if state is None:
                 text_lines(context, layout, "Make Morse Sets again to simplify or refine them", icon="INFO")
+
+    @staticmethod
+    def _draw_refinement(context, layout, obj, settings):
+        header, body = layout.panel("stormfield_refinement", default_closed=False)
+        header.label(text="Refinement")
+        if body is None:
+            return
+        row = body.row(align=True)
+        row.operator("stormfield.refine_morse", icon="MOD_MULTIRES")
+        row.operator("stormfield.refine_set", text="This Set", icon="RESTRICT_SELECT_OFF")
+        if obj.stormfield.analysis.mcg.made:
+            hint(context, body, morse_state.why_no_refinement(obj))
+        column = body.column()
+        column.prop(settings, "tau_max")
+        column.prop(settings, "seconds")
 
     @staticmethod
     def _suggestion(obj, method: str) -> str:

@@ -185,10 +185,11 @@ def test_paths_over_lambda(ball, scene, tracking):
     colours = np.array([a.color for a in paths.attributes["colour"].data])
     assert colours.shape == (45, 4) and (np.diff(colours[:9, :3].sum(axis=1)) > 0).all()  # brighter with λ
     assert [item.name for item in analysis.history.items][:5] == ["S1", "S2", "S3", "S4", "S5"]
-    assert analysis.history.items[5].name == "Saddle and sink vanish"
+    event = analysis.history.items[5]
+    assert event.name == "S2 S3 vanish" and event.note == "Saddle and sink vanish"
     analysis.history.min_life = 0.1
     assert [item.name for item in analysis.history.items if analysis.history.passes(item)] == [
-        "S1", "S2", "S3", "Saddle and sink vanish", "Becomes source",
+        "S1", "S2", "S3", "S2 S3 vanish", "S1 → source",
     ]  # fmt: skip
 
 

@@ -257,3 +257,27 @@ def test_a_smoothed_mesh_shows_the_analysis_of_its_own_vertices(dipole):
     assert drawing.faces is not None and len(drawing.entities) == 2
     size = np.linalg.norm([mark.position for mark in drawing.entities], axis=1)
     assert (size > 0.97).all() and (size < 1.03).all()
+
+
+def test_refinement(native, rings):
+    if "refine" not in native.start_morse.__doc__:
+        pytest.skip("the core does not refine yet")
+    assert bpy.ops.stormfield.refine_morse() == {"FINISHED"}
+    kinds = [item.kind for item in rings.stormfield.analysis.mcg.items]
+    assert kinds.count("source") == 2 and "attracting" in kinds
+
+
+def test_one_set_is_refined_by_itself(native, rings):
+    if "refine" not in native.start_morse.__doc__:
+        pytest.skip("the core does not refine yet")
+    with pytest.raises(RuntimeError, match="first"):
+        bpy.ops.stormfield.refine_set()
+    rings.stormfield.morse.method = "geometry"
+    bpy.ops.stormfield.morse_sets()
+    mcg = rings.stormfield.analysis.mcg
+    with pytest.raises(RuntimeError, match="Select a Morse set"):
+        bpy.ops.stormfield.refine_set()
+    mcg.active = max(range(len(mcg.items)), key=lambda i: mcg.items[i].faces)
+    before = {item.faces for i, item in enumerate(mcg.items) if i != mcg.active}
+    assert bpy.ops.stormfield.refine_set() == {"FINISHED"}
+    assert before <= {item.faces for item in mcg.items}  # the others are as they were
