@@ -16,16 +16,18 @@
 namespace stormfield {
 namespace {
 
-/// In parts of the distance d: where a line ends beside another; the room that a seed beside a line needs; how finely
-/// gaps are looked for; how often seeds lie beside a line; the shortest line beside another, and to fill a gap.
-constexpr double kTest = 0.5, kSeedRoom = 0.9, kGapResolution = 0.15, kSeedSpacing = 0.5, kShortBeside = 2.0,
-                 kShortInGap = 0.05;
+/// In parts of the distance d: where a line ends beside the samples of another, so that it is d / 2 from the line
+/// between them; the room that a seed beside a line needs; how finely gaps are looked for; how often seeds lie beside a
+/// line; the shortest line beside another, to fill a gap,
+/// and that is left of a given curve.
+constexpr double kTest = 0.525, kSeedRoom = 0.9, kGapResolution = 0.15, kSeedSpacing = 0.5, kShortBeside = 2.0,
+                 kShortInGap = 0.05, kShortGiven = 0.5;
 /// Points of a line, in parts of d and of the mean edge length.
 constexpr double kStep = 0.25, kStepInEdges = 1.0;
 /// Rays around a source or sink, and the radius of the ring where they begin, in parts of d: their distance there is
 /// the radius, a little more than the test distance.
 constexpr int kRays = 6;
-constexpr double kRing = 0.55;
+constexpr double kRing = 0.57;
 constexpr double kSmallestDistance = 1.0 / 2000.0;
 
 double fastestVertex(const VectorField& field) {
@@ -141,12 +143,14 @@ void Placement::placeGiven(const std::vector<GivenCurve>& curves) {
       line.fullStart = true;
       starts.push_back(line.points.front().position);
       const std::size_t firstSample = samples_.size();
+      const std::size_t whole = line.points.size();
       addGivenCurve(line.points, closed, static_cast<Index>(lines_.size()), rules_, starts, faces_.mesh(), samples_);
-      if (line.points.size() < 2) {
+      if (line.points.size() < 2 || (!closed && line.length() < kShortGiven * d_)) {
         while (samples_.size() > firstSample) samples_.dropLast();
         starts.pop_back();
         continue;
       }
+      line.fullEnd = curves[i].endsOnBoundary && line.points.size() == whole;
       if (curves[i].againstFlow) {
         std::reverse(line.points.begin(), line.points.end());
         std::swap(line.fullStart, line.fullEnd);

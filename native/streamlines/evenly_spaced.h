@@ -22,6 +22,7 @@ struct GivenCurve {
   std::vector<SurfacePoint> points;  ///< from the end that must stay; a closed one may repeat its first point
   bool closed = false;               ///< closed curves stay whole, others end where they come near another line
   bool againstFlow = false;          ///< the points run against the flow
+  bool endsOnBoundary = false;       ///< it may be drawn at full width up to there
   bool leadsToPoint = false;         ///< it leads to a source or sink, and ends before the star of lines around it
 };
 

@@ -6,8 +6,9 @@
 namespace stormfield {
 namespace {
 
-/// Where curves begin at one point, they are no obstacle to each other on so many distances.
-constexpr double kCommonStart = 3.0;
+/// Where curves begin at one point, they are no obstacle to each other on so many
+/// distances.
+constexpr double kCommonStart = 1.0;
 
 /// The point p in the coordinates of face f, if it lies on it.
 std::optional<SurfacePoint> inFace(const TriangleMesh& mesh, const SurfacePoint& p, Index f) {

@@ -8,7 +8,8 @@ StreamlineFeatures featuresOf(const Topology& topology) {
   for (const Separatrix& separatrix : topology.separatrices) {
     const bool toPoint = separatrix.end.kind == EntityKind::FixedPoint &&
                          topology.fixedPoints[separatrix.end.index].kind != FixedPointKind::Saddle;
-    features.curves.push_back({separatrix.points, false, !separatrix.outgoing, toPoint});
+    const bool toBoundary = separatrix.end.kind == EntityKind::Boundary;
+    features.curves.push_back({separatrix.points, false, !separatrix.outgoing, toBoundary, toPoint});
   }
   features.fixedPoints = topology.fixedPoints;
   return features;
