@@ -29,6 +29,9 @@ class SteadyFlow {
     return face.carry(rate_ * values_[face.vertex(0)], rate_ * values_[face.vertex(1)],
                       rate_ * values_[face.vertex(2)]);
   }
+  std::array<Complex, 3> vertexValues(const FlatFace& face) const {
+    return {rate_ * values_[face.vertex(0)], rate_ * values_[face.vertex(1)], rate_ * values_[face.vertex(2)]};
+  }
   Complex velocity(const FlatFace& face, const Local& u, Cursor, Complex p, double) const {
     return face.evaluate(u, p);
   }

@@ -1,0 +1,109 @@
+#include "tracing/face_path.h"
+
+#include <gtest/gtest.h>
+
+#include "surfaces.h"
+#include "tracing/streamline.h"
+
+namespace stormfield {
+namespace {
+
+struct Comparison {
+  int steps = 0, partial = 0;
+  int worse = 0;       ///< steps whose error exceeds the tolerance
+  double worst = 0.0;  ///< largest error as a multiple of the tolerance
+};
+
+/// Steps from random points of sides and of faces, against the other integrator with a tolerance out of reach.
+Comparison compare(const surfaces::ChartsPointer& charts, const VectorField& field, double tolerance) {
+  const TriangleMesh& mesh = charts->mesh();
+  const FlatFaces faces(charts);
+  const double edge = mesh.meanEdgeLength();
+  const StepLimits limits{tolerance * edge, 1e-4, 0.0};
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  Comparison result;
+  for (SurfacePoint seed : surfaces::randomSeeds(mesh, 3000, 2)) {
+    SidePoint entry;
+    if (unit(random) < 0.8) {
+      entry = {static_cast<int>(random() % 3), unit(random)};
+      seed.barycentric.setZero();
+      seed.barycentric[entry.side] = 1.0 - entry.fraction;
+      seed.barycentric[(entry.side + 1) % 3] = entry.fraction;
+    }
+    const auto value = [&](int corner) { return field.values[mesh.vertex(seed.face, corner)]; };
+    FaceStep step;
+    if (!stepThroughFace(faces, seed.face, {value(0), value(1), value(2)}, entry, seed.barycentric, limits, step)) {
+      continue;
+    }
+    SurfacePoint end{seed.face, step.barycentric};
+    if (step.exit.side >= 0) {
+      end.barycentric.setZero();
+      end.barycentric[step.exit.side] = 1.0 - step.exit.fraction;
+      end.barycentric[(step.exit.side + 1) % 3] = step.exit.fraction;
+    }
+    const TraceEnd exact = traceStreamline(faces, field, seed, {.maximalTime = step.duration, .tolerance = 1e-13});
+    const double error =
+        std::max((position(mesh, end) - position(mesh, exact.point)).norm(), std::abs(step.length - exact.length)) /
+        (tolerance * edge);
+    ++result.steps;
+    result.partial += step.exit.side < 0;
+    result.worse += error > 1.0;
+    result.worst = std::max(result.worst, error);
+  }
+  return result;
+}
+
+TEST(FacePath, ErrorsAreWithinTheTolerance) {
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    const auto sphere = surfaces::sphere(20);
+    const Comparison smooth = compare(sphere, surfaces::swirlField(sphere), tolerance);
+    EXPECT_GT(smooth.steps, 1500);  // half of the points on sides do not flow into the face
+    EXPECT_LE(smooth.worse, 0.002 * smooth.steps);
+    EXPECT_LT(smooth.worst, 5.0);
+    // Twists of a tenth of a radian, faces of all shapes.
+    const auto torus = surfaces::torus(40, 20, 0.4, 0.3);
+    const Comparison rough = compare(torus, surfaces::swirlField(torus), tolerance);
+    EXPECT_GT(rough.steps, 1500);
+    EXPECT_LE(rough.worse, 0.05 * rough.steps);
+    EXPECT_LT(rough.worst, 50.0);
+  }
+}
+
+TEST(FacePath, MostFacesOfASmoothFieldTakeOneStep) {
+  const auto charts = surfaces::sphere(40);
+  const Comparison c = compare(charts, surfaces::swirlField(charts), 1e-6);
+  EXPECT_LT(c.partial, 0.1 * c.steps);
+}
+
+TEST(FacePath, PlanarFieldsAreExact) {
+  const auto charts = surfaces::square(12, 0.3);
+  const VectorField field =
+      surfaces::sampled(charts, [](const Vec3& p) { return Vec3(0.3 + 0.2 * p.y(), 0.2 - 0.1 * p.x(), 0.0); });
+  const Comparison c = compare(charts, field, 1e-9);
+  EXPECT_GT(c.steps, 1500);
+  EXPECT_LT(c.worst, 0.1);
+}
+
+TEST(FacePath, RefusesRestAndCorners) {
+  const auto charts = surfaces::sphere(4);
+  const FlatFaces faces(charts);
+  FaceStep step;
+  const StepLimits limits{1e-6, 1e-4, 1e-12};
+  const Eigen::Vector3d middle(0.3, 0.3, 0.4);
+  EXPECT_FALSE(stepThroughFace(faces, 0, {0.0, 0.0, 0.0}, {}, middle, limits, step));
+  EXPECT_FALSE(stepThroughFace(faces, 0, {1.0, 1.0, 1.0}, {}, {1.0, 0.0, 0.0}, limits, step));
+}
+
+TEST(FacePath, EndsAfterTheLongestDuration) {
+  const auto charts = surfaces::sphere(4);
+  const FlatFaces faces(charts);
+  FaceStep step;
+  const Eigen::Vector3d middle(0.3, 0.3, 0.4);
+  ASSERT_TRUE(stepThroughFace(faces, 0, {1.0, 1.0, 1.0}, {}, middle, {1e-6, 1e-2, 0.0, 1e-3}, step));
+  EXPECT_EQ(step.exit.side, -1);
+  EXPECT_EQ(step.duration, 1e-3);
+}
+
+}  // namespace
+}  // namespace stormfield
