@@ -58,7 +58,8 @@ class FaceSearch {
       const double det = j.determinant();
       const Candidate here{p, std::abs(value), det * index_ > 0.0};
       if (here.better(best)) best = here;
-      if (value == 0.0 || det == 0.0) break;
+      // Beyond round-off further steps would only wander.
+      if (det == 0.0 || (here.magnitude <= kZero && here.signFits)) break;
       const Complex move((j(1, 1) * value.real() - j(0, 1) * value.imag()) / det,
                          (j(0, 0) * value.imag() - j(1, 0) * value.real()) / det);
       const Complex next = local_.point(clamped(local_.barycentric(p - move)));
