@@ -59,6 +59,7 @@ class Cancellation {
       if (!alive[i] || tracking_.paths[i].strength < minStrength) continue;
       number[i] = static_cast<Index>(left.paths.size());
       left.paths.push_back(std::move(tracking_.paths[i]));
+      left.paths.back().kind = mostly(left.paths.back().samples);
     }
     for (std::size_t e = 0; e < goneEvents_.size(); ++e) {
       if (goneEvents_[e]) continue;
@@ -89,7 +90,13 @@ class Cancellation {
   }
   /// Cuts the path down to lambda in between, with its Hopf bifurcations.
   void keep(Index i, double from, double to) {
-    std::erase_if(path(i).samples, [&](const PathSample& s) { return s.lambda < from || s.lambda > to; });
+    auto& samples = path(i).samples;
+    const auto end =
+        std::find_if(samples.rbegin(), samples.rend(), [=](const PathSample& s) { return s.lambda <= to; });
+    samples.erase(end.base(), samples.end());
+    const auto begin =
+        std::find_if(samples.begin(), samples.end(), [=](const PathSample& s) { return s.lambda >= from; });
+    samples.erase(samples.begin(), begin);
     for (const Index event : turns_[i]) {
       const double lambda = tracking_.bifurcations[event].lambda;
       if (lambda < from || lambda > to) forget(event);
@@ -166,10 +173,7 @@ class Cancellation {
     insert(before);
   }
 
-  void insert(Index i) {
-    path(i).kind = mostly(path(i).samples);
-    byLife_.insert({life(i), i});
-  }
+  void insert(Index i) { byLife_.insert({life(i), i}); }
 
   Tracking tracking_;
   std::vector<Index> appears_, vanishes_;  ///< event where a path appears, vanishes
