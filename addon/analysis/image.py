@@ -18,13 +18,15 @@ from .entities import KIND_COLOURS, EntityGraph
 from .surface_panel import SurfacePanel
 from .view import choose_views
 
-#: Distance between streamlines, as a part of the surface's size.
-DENSITY = 0.022
+#: Distance between streamlines, as a part of the surface's size, and on a map, which is larger.
+DENSITY, MAP_DENSITY = 0.022, 0.013
 #: Inches of one view, and of the graph.
 VIEW, GRAPH = 6.0, 5.5
 DPI = 180
 #: Names are written into graphs of so many entities at most, and onto surfaces.
 MOST_NAMES, MOST_LABELS = 60, 40
+#: Links with arrow heads at most; all flow downwards, except for arches.
+MOST_HEADS = 200
 #: Brightness of a surface seen face on.
 SURFACE = 0.97
 #: How strongly Morse sets are coloured, so that the flow on them is seen.
@@ -111,6 +113,7 @@ def draw_tracking(path: str | Path, mesh: Any, tracking: Any) -> None:
         ax=[panel.axis for panel in panels], orientation="horizontal", fraction=0.035, pad=0.02, aspect=50,
     )  # fmt: skip
     bar.set_label("λ")
+    _track_legend(figure, tracking)
     _save(figure, path)
 
 
@@ -146,7 +149,8 @@ def _page(mesh: Any, graph: EntityGraph | None) -> tuple[list[SurfacePanel], Any
 
 def _streamlines(mesh: Any, vectors: np.ndarray, topology: bool) -> Any:
     field = native.VectorField.from_space(mesh, np.ascontiguousarray(vectors, np.float64))
-    return native.start_evenly_spaced_streamlines(field, DENSITY * mesh.size, topology=topology).result()
+    density = MAP_DENSITY if choose_views(mesh)[0].is_map else DENSITY
+    return native.start_evenly_spaced_streamlines(field, density * mesh.size, topology=topology).result()
 
 
 def _pale(kind: str) -> np.ndarray:
@@ -170,11 +174,14 @@ def _draw_graph(axis: Any, graph: EntityGraph) -> None:
     wide = max(drawn.width, 4.0)
     size = float(np.clip(9000.0 / (wide + 4.0) ** 1.35, 10.0, 420.0))
     head_size = 6.0 if many else 11.0
+    line = float(np.clip(60.0 / max(1, len(graph.links)), 0.25, 0.9))
     for link, route in zip(graph.links, drawn.routes, strict=True):
         leaves = graph.entities[link.source].row != "repelling"
         colour = KIND_COLOURS["sink" if leaves else "source"]
         curve = _bent(route)
-        axis.plot(*curve.T, color=colour, alpha=0.7, linewidth=0.9, zorder=1)
+        axis.plot(*curve.T, color=colour, alpha=0.7, linewidth=line, zorder=1)
+        if len(graph.links) > MOST_HEADS:
+            continue
         head = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0, "lw": 0, "mutation_scale": head_size}
         middle = len(curve) // 2
         axis.annotate("", curve[middle + 1], curve[middle], arrowprops=head, zorder=1)
@@ -206,14 +213,17 @@ def _draw_lives(axis: Any, tracking: Any) -> None:
     axis.set_title("Life spans", fontsize=11)
     order = sorted(tracking.paths, key=lambda track: (track.first, -track.life))
     row = {track.id: i for i, track in enumerate(order)}
+    width = float(np.clip(150.0 / max(1, len(order)), 0.4, 2.0))
     for track in order:
-        axis.hlines(row[track.id], track.first, track.last, colors=[KIND_COLOURS[track.kind]], linewidth=2.0)
+        axis.hlines(row[track.id], track.first, track.last, colors=[KIND_COLOURS[track.kind]], linewidth=width)
         if len(order) <= MOST_NAMES:
             axis.text(track.first - 0.008, row[track.id], track.name, ha="right", va="center", fontsize=6, color="0.3")
     for event in tracking.bifurcations:
         rows = [row[path] for path in event.paths if path in row]
         axis.vlines(event.lam, min(rows), max(rows), colors="0.75", linewidth=0.7, zorder=0)
-        axis.plot([event.lam] * len(rows), rows, "o", markersize=3.0, color="0.15", markerfacecolor="white")
+        axis.plot(
+            [event.lam] * len(rows), rows, "o", markersize=1.0 + width, color="0.15", markerfacecolor="white", mew=0.5
+        )
     axis.set_xlim(-0.08, 1.02)
     axis.set_ylim(len(order) - 0.3, -0.7)
     axis.set_xlabel("λ")
@@ -250,6 +260,22 @@ def _legend(figure: Any, graph: EntityGraph, lines: bool = False, sets: bool = F
         figure.legend(
             handles=handles, loc="outside lower center", ncols=min(len(handles), 8), frameon=False, fontsize=9
         )
+
+
+def _track_legend(figure: Any, tracking: Any) -> None:
+    from matplotlib.lines import Line2D
+
+    dot: dict[str, Any] = {"marker": "o", "linestyle": "", "markersize": 6.0}
+    kinds = {track.kind for track in tracking.paths}
+    handles = [
+        Line2D([], [], color=KIND_COLOURS[kind], markeredgecolor="white", label=f"{kind} at the end", **dot)
+        for kind in POINTS
+        if kind in kinds
+    ]
+    if any(event.kind != "hopf" for event in tracking.bifurcations):
+        handles.append(Line2D([], [], color="white", markeredgecolor="0.15", label="appears or vanishes", **dot))
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=9)
 
 
 def _save(figure: Any, path: str | Path) -> None:
