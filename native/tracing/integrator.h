@@ -70,6 +70,8 @@ class Integrator {
 
  private:
   static constexpr int kNoSide = -1;
+  /// Whether the flow is the interpolation of fixed vectors at the vertices.
+  static constexpr bool kInClosedForm = requires(const Flow& flow, const FlatFace& face) { flow.vertexValues(face); };
   /// Barycentric round-off that does not count as outside; nearer to a vertex than kSnap is on it; a vertex is left by
   /// kLeave of an edge.
   static constexpr double kSlack = 1e-10, kSnap = 1e-9, kLeave = 1e-7;
@@ -134,7 +136,7 @@ class Integrator {
   }
 
   /// Through the face in closed form, where that is exact enough and within the limits.
-  bool stepsAtOnce(FaceStep& step) {
+  bool stepsAtOnce(FaceStep& step) requires kInClosedForm {
     if (slide_ != kNoSide || idleCrossings_ > 0) return false;
     limits_.maximalDuration = maximalTime_ - elapsed_;
     return stepThroughFace(faces_, face_, flow_.vertexValues(*flat_), entry_, flat_->barycentric(position_), limits_,
@@ -180,7 +182,7 @@ bool Integrator<Flow>::advance() {
   if (end_.steps++ >= options_.maximalSteps) return stop(StopReason::StepLimit);
   if (elapsed_ >= maximalTime_) return stop(StopReason::Time);
   if (length_ >= options_.maximalLength) return stop(StopReason::Length);
-  if constexpr (Flow::kSteady) {
+  if constexpr (kInClosedForm) {
     FaceStep step;
     if (stepsAtOnce(step)) {
       elapsed_ = step.duration < maximalTime_ - elapsed_ ? elapsed_ + step.duration : maximalTime_;
