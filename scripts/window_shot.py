@@ -155,7 +155,7 @@ def picture():
         analyze(weather(), distance=3.3)
         return
     if PICTURE.startswith("engine"):
-        analyze(engine(), distance=2.6)
+        analyze(engine(), distance=1.75, turned=(0.75, 0.0, 0.35))
         return
     from stormfield.presets import storm_merge
 
@@ -183,8 +183,29 @@ def picture():
         with bpy.context.temp_override(area=area, region=area.regions[-1]):
             print("over λ", bpy.ops.stormfield.analyze_lambda("EXEC_DEFAULT"))
         history = planet.stormfield.analysis.history
-        history.min_life = 0.02
-        history.active = max(range(len(history.items)), key=lambda i: history.items[i].kind == "annihilation")
+        merged = [i for i, item in enumerate(history.items) if item.kind == "annihilation"]
+        history.active = max(merged, key=lambda i: history.items[i].life, default=-1)
+        for marker in bpy.context.scene.timeline_markers:
+            print("marker", marker.frame, marker.name)
+        taller_timeline()
+
+
+def taller_timeline():
+    """Room for the names of markers: a timeline below the view instead of the small one."""
+    area = view_area()
+    before = set(bpy.context.window.screen.areas)
+    with view_override():
+        bpy.ops.screen.area_split(direction="HORIZONTAL", factor=0.16)
+    made = next(iter(set(bpy.context.window.screen.areas) - before))
+    made.ui_type = "TIMELINE" if made.y < area.y else made.ui_type
+    space = made.spaces.active
+    space.show_markers = True
+    small = next(a for a in before if a.ui_type == "TIMELINE")
+    with bpy.context.temp_override(area=small):
+        bpy.ops.screen.area_close()
+    region = next(region for region in made.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(area=made, region=region):
+        bpy.ops.action.view_all()
 
 
 #: Fixed points of a small world with weather: direction from its centre, and kind.
@@ -245,12 +266,12 @@ def view_override():
     return bpy.context.temp_override(area=area, region=region)
 
 
-def analyze(ball, distance):
+def analyze(ball, distance, turned=(1.35, 0.0, 0.0)):
     """Analyze, and show what the picture is about."""
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     bpy.context.scene.collection.objects.link(camera)
     bpy.context.scene.camera = camera
-    camera.rotation_euler = (1.35, 0.0, 0.0)
+    camera.rotation_euler = turned
     camera.hide_set(True)
     set_up_view(ball)
     look, analysis = ball.stormfield.look, ball.stormfield.analysis
@@ -260,12 +281,15 @@ def analyze(ball, distance):
     with view_override():
         print("analyze", bpy.ops.stormfield.analyze("EXEC_DEFAULT"))
         if "morse" in PICTURE:
+            if PICTURE == "morse":
+                ball.stormfield.morse.method, ball.stormfield.morse.eps = "geometry", 14.0
             print("morse", bpy.ops.stormfield.morse_sets("EXEC_DEFAULT"))
             analysis.show_separatrices = False
         if PICTURE != "analyzed":
             print("graph", bpy.ops.stormfield.show_graph("EXEC_DEFAULT"))
             area.spaces.active.region_3d.view_distance *= 1.25
     analysis.show_names = PICTURE == "graph"
+    ball.select_set(False)
     chosen = analysis.list(analysis.shown)
     towards = area.spaces.active.region_3d.view_rotation @ Vector((0.0, 0.2, 1.0))
     saddles = [i for i, item in enumerate(chosen.items) if item.kind == "saddle"]

@@ -183,6 +183,8 @@ def _note(entity: Entity) -> str:
     for key, unit in (("length", " long"), ("period", " s per turn"), ("multiplier", "× per turn"), ("area", " area")):
         if isinstance(entity.info.get(key), int | float):
             words.append(f"{entity.info[key]:.3g}{unit}")
+    if isinstance(entity.info.get("persistence"), float):
+        words.append(f"persistence {entity.info['persistence']:.3g}")
     if "conley" in entity.info:
         words.append("Conley index " + ", ".join(str(b) for b in entity.info["conley"]))
     return "; ".join(words)

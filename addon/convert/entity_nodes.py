@@ -33,6 +33,7 @@ def show_graph(obj: bpy.types.Object, which: str, graph: EntityGraph) -> bpy.typ
     tree.nodes.clear()
     tree.routes.clear()
     scale = np.array([STEP, max(ROW, SLANT * STEP * drawn.width)])
+    tree.row = scale[1]
     nodes = [
         _new_node(tree, entity, place) for entity, place in zip(graph.entities, drawn.positions * scale, strict=True)
     ]

@@ -28,10 +28,11 @@ CATEGORIES = (
     ("SADDLE", "Saddles", "Saddles: blue", "NONE", 2),
     ("ATTRACTING", "Attracting", "Sinks and attracting orbits: red", "NONE", 4),
     ("OTHER", "Others", "Centers, degenerate and trivial ones", "NONE", 8),
-    ("EVENT", "Events", "Bifurcations: where fixed points appear, vanish or change their kind", "NONE", 16),
+    ("EVENT", "Bifurcations", "Where fixed points appear or vanish", "NONE", 16),
+    ("CHANGE", "Changes", "Where a source becomes a sink or back: often, along the path of a vortex", "NONE", 32),
 )
 _CATEGORY = {"source": "REPELLING", "repelling": "REPELLING", "saddle": "SADDLE", "sink": "ATTRACTING"}
-_CATEGORY |= {"attracting": "ATTRACTING", "creation": "EVENT", "annihilation": "EVENT", "hopf": "EVENT"}
+_CATEGORY |= {"attracting": "ATTRACTING", "creation": "EVENT", "annihilation": "EVENT", "hopf": "CHANGE"}
 
 
 def category(kind: str) -> str:
@@ -80,7 +81,7 @@ class EntityList(bpy.types.PropertyGroup):
         description="Kinds that list and view show; Shift-click for several",
         items=CATEGORIES,
         options={"ENUM_FLAG"},
-        default={key for key, *_ in CATEGORIES},
+        default={key for key, *_ in CATEGORIES} - {"CHANGE"},
         update=_filtered,
     )
     min_strength: FloatProperty(

@@ -17,6 +17,8 @@ from .marker_drawing import Marker
 
 #: Opacity of separatrices and orbits of another λ than the one shown.
 STALE = 0.22
+#: Kinds that no fixed point's own marker stands for.
+UNMARKED = frozenset({"repelling", "attracting", "trivial", "other"})
 HALO = (1.0, 1.0, 1.0, 0.95)
 
 
@@ -130,7 +132,7 @@ def visible_marks(obj: bpy.types.Object, drawing) -> list:
 
 
 def _marks(obj, drawing) -> list[Marker]:
-    """Bifurcations, brighter the nearer λ is; Morse sets while they are listed; orbits; a ring around the selected."""
+    """Bifurcations, brighter the nearer λ is; orbits and sets without a fixed point; a ring around the selected."""
     analysis = obj.stormfield.analysis
     shown = []
     for mark in visible_marks(obj, drawing):
@@ -141,9 +143,9 @@ def _marks(obj, drawing) -> list[Marker]:
         selected = (mark.which, mark.index) == (analysis.shown, analysis.list(analysis.shown).active)
         if selected:
             opacity, size = 1.0, 1.0
-        if mark.lam is not None or mark.which == "mcg":
+        if mark.lam is not None:
             shown.append(Marker(mark.kind, mark.position, size, opacity))
-        elif mark.kind in {"repelling", "attracting"}:
+        elif mark.kind in UNMARKED:
             shown.append(Marker(mark.kind, mark.position, 0.8))
         if selected:
             shown.append(Marker("ring", mark.position))
@@ -196,7 +198,8 @@ def legend_blocks(obj: bpy.types.Object, evaluated: bpy.types.Object) -> list[le
     blocks = []
     if analysis.ecg.made and (analysis.show_separatrices or analysis.show_orbits):
         orbits = {kind: drawing.counts["ecg"][kind] for kind in ("repelling", "attracting")}
-        blocks.append(legend.Block(_title(obj, "Topology", analysis.ecg), _rows(orbits)))
+        if any(orbits.values()) or not analysis_drawing.is_current(obj, analysis.ecg):
+            blocks.append(legend.Block(_title(obj, "Topology", analysis.ecg), _rows(orbits)))
     if analysis.history.made and analysis.show_paths:
         events = {kind: drawing.counts["history"][kind] for kind in markers.EVENTS}
         paths = drawing.counts["history"].total() - sum(events.values())

@@ -109,7 +109,8 @@ def draw_entity(context, layout, obj, which: str) -> None:
         layout.label(text="Click an entity to see more", icon="RESTRICT_SELECT_OFF")
         return
     box = layout.box().column(align=True)
-    box.label(text=f"{item.name}   {markers.NAMES.get(item.kind, item.kind.title())}", icon_value=icons.of(item.kind))
+    kind = "" if item.kind in markers.EVENTS else markers.NAMES.get(item.kind, item.kind.title())
+    box.label(text=f"{item.name}   {kind}", icon_value=icons.of(item.kind))
     for text in _facts(which, item):
         text_lines(context, box, text, icon="BLANK1")
 
@@ -122,10 +123,8 @@ def _facts(which: str, item) -> list[str]:
         facts.append(f"at λ {item.lam:.4f}")
     if item.faces:
         facts.append(f"{item.faces} faces")
-    if item.strength > 0:
-        facts.append(
-            f"persistence {item.strength:.3g}" if which == "mcg" else f"strength {item.strength:.3g} per second"
-        )
+    if item.strength > 0 and which != "mcg":
+        facts.append(f"strength {item.strength:.3g} per second")
     return [*facts, item.note] if item.note else facts
 
 
@@ -141,7 +140,7 @@ def _draw_filters(layout, entities, which: str) -> None:
     grid = column.grid_flow(columns=2, align=True)
     grid.use_property_split = False
     for key, *_ in CATEGORIES:
-        if key != "EVENT" or which == "history":
+        if key not in {"EVENT", "CHANGE"} or which == "history":
             grid.prop_enum(entities, "kinds", key)
     column.prop(entities, "min_strength", slider=True)
     if which == "history":

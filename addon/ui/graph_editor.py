@@ -11,6 +11,7 @@ import numpy as np
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
+    FloatProperty,
     FloatVectorProperty,
     IntProperty,
     PointerProperty,
@@ -50,6 +51,7 @@ class StormfieldGraph(bpy.types.NodeTree):
     owner: PointerProperty(type=bpy.types.Object, name="Object", description="Mesh whose field this graph describes")
     which: StringProperty(description="ecg or mcg")
     title: StringProperty()
+    row: FloatProperty(description="Distance of the rows (units of the tree)")
     routes: CollectionProperty(type=RouteItem)
 
     @classmethod
@@ -203,7 +205,9 @@ def link_lines(tree: bpy.types.NodeTree) -> tuple[np.ndarray, np.ndarray]:
     for route in sorted(tree.routes, key=lambda route: active in (route.source, route.target)):
         if route.source not in where or route.target not in where:
             continue  # the node was deleted
-        points = _curve(where[route.source], where[route.target], np.array(route.bend) if route.bends else None)
+        points = _curve(
+            where[route.source], where[route.target], np.array(route.bend) if route.bends else None, tree.row
+        )
         blend = np.linspace(0.0, 1.0, len(points))[:, None]
         colour = tint[route.source] * (1 - blend) + tint[route.target] * blend
         shown = 1.0 if active in (route.source, route.target) else 0.35 if active else 0.65
@@ -220,12 +224,13 @@ def link_lines(tree: bpy.types.NodeTree) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(lines), np.concatenate(colours)
 
 
-def _curve(start: np.ndarray, end: np.ndarray, bend: np.ndarray | None) -> np.ndarray:
+def _curve(start: np.ndarray, end: np.ndarray, bend: np.ndarray | None, row: float) -> np.ndarray:
     """From edge to edge of two nodes: leaves and arrives upright; within a row an arch above it."""
     t = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
     half = np.array([0.0, 0.5 * PILL])
     if abs(start[1] - end[1]) < PILL:
-        top = np.array([0.5 * (start[0] + end[0]), max(start[1], end[1]) + 0.3 * abs(end[0] - start[0])])
+        rise = min(0.3 * abs(end[0] - start[0]), 0.8 * row)
+        top = np.array([0.5 * (start[0] + end[0]), max(start[1], end[1]) + rise])
         start, end = start + half, end + half
         return (1 - t) ** 2 * start + 2 * t * (1 - t) * top + t**2 * end
     sign = 1.0 if start[1] > end[1] else -1.0

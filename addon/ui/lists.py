@@ -36,7 +36,9 @@ class STORMFIELD_UL_entities(bpy.types.UIList):
         split.label(text=item.name, icon_value=icons.of(item.kind))
         number = split.row()
         number.alignment = "RIGHT"
-        if self.list_id != "history":
+        if item.faces:
+            number.label(text=f"{item.faces} f")
+        elif self.list_id != "history":
             number.label(text=f"{item.strength:.2g}" if item.strength else "")
         elif item.lam_end > item.lam_start:
             number.label(text=f"{item.lam_start:.2f}–{item.lam_end:.2f}")

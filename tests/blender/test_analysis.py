@@ -124,7 +124,7 @@ def test_filters(show):
     assert shown() == ["A3", "A4"]
     ecg.min_strength = 0.2
     assert shown() == ["A3"]
-    ecg.kinds = {"REPELLING", "SADDLE", "ATTRACTING", "OTHER", "EVENT"}
+    ecg.kinds = {"REPELLING", "SADDLE", "ATTRACTING", "OTHER"}
     assert shown() == ["R1", "S2", "A3"]
 
 
@@ -189,7 +189,7 @@ def test_paths_over_lambda(ball, scene, tracking):
     assert event.name == "S2 S3 vanish" and event.note == "Saddle and sink vanish"
     analysis.history.min_life = 0.1
     assert [item.name for item in analysis.history.items if analysis.history.passes(item)] == [
-        "S1", "S2", "S3", "S2 S3 vanish", "S1 → source",
+        "S1", "S2", "S3", "S2 S3 vanish",
     ]  # fmt: skip
 
 
@@ -200,6 +200,7 @@ def markers(ball, scene, tracking):
     scene.frame_start, scene.frame_end = 1, 101
     bpy.ops.stormfield.key_lambda()
     analysis_objects.show_tracking(scene, ball, tracking, "sf_advection")
+    ball.stormfield.analysis.history.kinds |= {"CHANGE"}
 
     def found():
         timeline.update_markers(ball)
