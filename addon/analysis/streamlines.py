@@ -15,8 +15,9 @@ from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from .steps import native_field, result_of
 
-#: Distance between two arrow heads on a line, in distances between lines; length and radius of a head, in line radii.
-ARROW_EVERY, ARROW_LENGTH, ARROW_RADIUS = 14.0, 9.0, 2.8
+#: Distance between two arrow heads on a line, in distances between lines; length and half width of a head, in radii of
+#: lines.
+ARROW_EVERY, ARROW_LENGTH, ARROW_WIDTH = 14.0, 6.5, 4.0
 #: Heads sit where a line has at least this part of its full width.
 ARROW_TAPER = 0.4
 
@@ -32,7 +33,7 @@ class Settings:
 
 @dataclass(frozen=True, eq=False)
 class StreamlineDrawing:
-    """Curves in object space, lifted off the surface by the radius; arrow heads are short curves at the end."""
+    """Curves in object space, lifted off the surface by the radius; arrow heads, of three points each, come last."""
 
     curves: list[np.ndarray]  #: (k, 3) each; closed ones do not repeat their first point
     radii: list[np.ndarray]  #: (k,) each, mesh units
@@ -76,13 +77,15 @@ def drawing_of(lines: Any, surface: Any, distance: float, settings: Settings) ->
     if settings.arrows:
         at, ahead = _heads(lines, ARROW_EVERY * distance)
         along = lines.points[ahead] - lines.points[at]
-        along *= (ARROW_LENGTH * radius) / np.linalg.norm(along, axis=1, keepdims=True)
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        back, aside = ARROW_LENGTH * radius * along, ARROW_WIDTH * radius * np.cross(normals[at], along)
+        barbs = np.stack([points[at] - back + aside, points[at], points[at] - back - aside], axis=1)
         owner = np.searchsorted(lines.offsets, at, side="right") - 1
-        for i, step, line in zip(at, along, owner, strict=True):
-            curves.append(np.array([points[i] - 0.5 * step, points[i] + 0.5 * step]))
-            radii.append(np.array([ARROW_RADIUS * radius, 0.0]))
-            attributes["speed"].append(np.full(2, lines.speed[i]))
-            attributes["distance"].append(np.full(2, lines.arc[i]))
+        for i, barb, line in zip(at, barbs, owner, strict=True):
+            curves.append(barb)
+            radii.append(radius * np.array([0.4, 1.0, 0.4]))
+            attributes["speed"].append(np.full(3, lines.speed[i]))
+            attributes["distance"].append(np.full(3, lines.arc[i]))
             lengths.append(lengths[line])
             roles.append(roles[line])
     heads = len(curves) - len(lines)

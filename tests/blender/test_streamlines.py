@@ -51,14 +51,21 @@ def test_running_again_updates_in_place_and_undo_takes_it_back(vortex):
     assert len(bpy.data.hair_curves) == 1
 
 
-def test_arrows_are_cones_and_taper_can_be_off(vortex):
+def test_arrows_are_curves_of_three_points_and_taper_can_be_off(vortex):
     put_field(vortex, lambda p: np.column_stack([1.0 + 0.0 * p[:, 0], 0.2 * p[:, 0], -p[:, 1]]))
     bpy.ops.stormfield.streamlines(density=0.04, arrows=True, taper=0.0)
     curves = bpy.data.objects["Ball Streamlines"]
     arrow = read(curves, "arrow").astype(bool)
     assert 0 < arrow.sum() < len(arrow)
     sizes = np.array([len(curve.points) for curve in curves.data.curves])
-    assert (sizes[arrow] == 2).all()
+    assert (sizes[arrow] == 3).all()
+    barbs = read(curves, "position", 3)[np.repeat(arrow, sizes)].reshape(-1, 3, 3)
+    forward = barbs[:, 1] - 0.5 * (barbs[:, 0] + barbs[:, 2])
+    tips = barbs[:, 1]
+    flow = np.column_stack([1.0 + 0.0 * tips[:, 0], 0.2 * tips[:, 0], -tips[:, 1]])
+    flow -= (flow * tips).sum(axis=1, keepdims=True) * tips / (tips**2).sum(axis=1, keepdims=True)
+    cosine = (forward * flow).sum(axis=1) / np.linalg.norm(forward, axis=1) / np.linalg.norm(flow, axis=1)
+    assert (cosine > 0.8).all()
     lines = np.repeat(~arrow, sizes)
     radius = read(curves, "radius")
     assert np.allclose(radius[lines], radius[lines][0])
