@@ -72,6 +72,13 @@ std::vector<EntityLink> connectionGraph(const Topology& topology, const Connecti
     if (side.onward) graph.link(orbit, other);
     if (!side.onward) graph.link(other, orbit);
   }
+  for (const auto& side : evidence.bandSides) {
+    // Just beyond the band the flow leaves it for good, or comes to it.
+    const EntityRef band{EntityKind::PeriodicOrbit, side.orbit};
+    const EntityRef to = end(side.onward).entity, from = end(side.back).entity;
+    if (from == band && to != band) graph.link(band, to);
+    if (to == band && from != band) graph.link(from, band);
+  }
   for (const auto& node : evidence.nodes) {
     if (graph.nodeReached(node.node)) continue;
     const EntityRef self{EntityKind::FixedPoint, node.node}, other = end(node.journey).entity;

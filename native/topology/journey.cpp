@@ -14,6 +14,8 @@ constexpr int kIdleSteps = 5000;
 Destinations::Destinations(const TriangleMesh& mesh, const std::vector<FixedPoint>& points,
                            const std::vector<NodeBasin>& basins)
     : mesh_(mesh), points_(points), basins_(basins), hasPart_(mesh.faceCount(), 0), hasSection_(mesh.edgeCount(), 0) {
+  // chi = 2 components - 2 handles - boundary loops
+  hasHandles_ = 2 * mesh.componentCount() - mesh.boundaryLoopCount() > mesh.eulerCharacteristic();
   for (std::size_t i = 0; i < basins.size(); ++i) {
     for (std::size_t k = 0; k < basins[i].parts.size(); ++k) {
       const Index face = basins[i].parts[k].face;
@@ -148,7 +150,7 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
       arrive({});
       return false;
     }
-    return part_ == kNone || !cameBack(mesh, passage, part_);
+    return part_ == kNone || !cameBack(destinations, passage, part_);
   });
   time_ += trace.time;
   length += trace.length;
@@ -157,16 +159,18 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
   if (trace.reason == StopReason::StepLimit) arrive({});
 }
 
-bool Journey::cameBack(const TriangleMesh& mesh, const Passage& passage, Index part) {
+bool Journey::cameBack(const Destinations& destinations, const Passage& passage, Index part) {
   if (passage.halfedge == kNone) return false;
   Visits& visits = visits_[passage.halfedge];
   const int kept = std::min<Index>(visits.count, Visits::kKept);
   const bool often = visits.count + 1 >= returnsWanted_;
   if (often) {
-    // The nearest earlier crossing: where orbits wind around handles it need not be the last.
+    // On a sphere with holes a streamline comes nearer at each return (Jordan); around handles it can wind several
+    // times before it does, and the nearest earlier crossing counts.
     int loops = 0;
     double nearest = 2.0;
-    for (int back = 1; back <= kept; ++back) {
+    const int most = destinations.hasHandles() ? kept : 1;
+    for (int back = 1; back <= most; ++back) {
       const double distance = std::abs(visits.fractions[(visits.count - back) % Visits::kKept] - passage.fraction);
       if (distance < nearest) {
         nearest = distance;
@@ -180,7 +184,6 @@ bool Journey::cameBack(const TriangleMesh& mesh, const Passage& passage, Index p
   visits.fractions[visits.count % Visits::kKept] = passage.fraction;
   visits.numbers[visits.count % Visits::kKept] = crossings_;
   ++visits.count;
-  static_cast<void>(mesh);
   return often;
 }
 

@@ -33,6 +33,8 @@ class Destinations {
   EntityRef circledIn(Index face) const;
   /// The saddle or other fixed point next to where a streamline has come to rest.
   EntityRef restingAt(const TriangleMesh& mesh, const SurfacePoint& p) const;
+  /// Whether the surface has genus 1 or more.
+  bool hasHandles() const { return hasHandles_; }
   Index bandAt(Index face) const {
     const auto found = bands_.find(face);
     return found == bands_.end() ? kNone : found->second;
@@ -59,6 +61,7 @@ class Destinations {
   std::vector<KnownSection> sections_;
   std::unordered_map<Index, std::vector<Index>> sectionsOn_, sectionsAt_;  ///< by halfedge, by vertex
   std::unordered_map<Index, Index> bands_;
+  bool hasHandles_ = false;
 };
 
 class Journey {
@@ -101,7 +104,7 @@ class Journey {
     std::array<double, kKept> fractions{};
     std::array<Index, kKept> numbers{};  ///< of the crossing, since the start
   };
-  bool cameBack(const TriangleMesh& mesh, const Passage& passage, Index part);
+  bool cameBack(const Destinations& destinations, const Passage& passage, Index part);
 
   std::unordered_map<Index, Visits> visits_;
   Index part_ = kNone, crossings_ = 0, returnsWanted_ = 2;

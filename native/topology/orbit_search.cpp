@@ -14,7 +14,7 @@ constexpr double kConverged = 1e-11;  ///< width of the last bracket
 constexpr double kNearLimit = 1e-4;   ///< as near as this to the end of what returns, the search is given up
 constexpr double kJump = 1e-5;        ///< a return map that jumps by more has no fixed point there
 constexpr double kSlow = 0.02;        ///< of one turn that moves so little, nothing is lost by leaving some out
-constexpr double kNearest = 1e-4;     ///< first distance at which an orbit's sides are looked at
+constexpr double kNearest = 3e-4;     ///< first distance at which an orbit's sides are looked at
 constexpr double kPiece = 0.1;        ///< orbits farther from each other than this are told apart for sure
 constexpr double kFarthest = 1.0;     ///< and last distance
 constexpr double kBand = 0.5;         ///< distance at which a band of closed streamlines shows
@@ -55,9 +55,10 @@ OrbitSearch::Outcome OrbitSearch::follow(const Candidate& candidate,
     return {std::nullopt, section.point(field_.mesh(), way.reached, candidate.direction)};
   }
   FoundOrbit found;
-  found.loops = candidate.loops;
+  found.loops = fewestLoops(returns, *way.fixed);
   found.closedAround = way.closedAround;
-  if (!record(returns, *way.fixed, found)) return {};
+  ReturnMap once = map(candidate.direction, section, found.loops, candidate.part, candidate.crossings);
+  if (!record(once, *way.fixed, found)) return {};
   found.side = start < *way.fixed ? 0 : 1;
   found.found = {section, *way.fixed, std::min(start, *way.fixed), std::max(start, *way.fixed)};
   found.known = isKnown(found);
@@ -188,6 +189,7 @@ OrbitSearch::Side OrbitSearch::look(ReturnMap& forward, ReturnMap& backward, dou
     const bool closed = std::abs(*grown - 1.0) <= options_.bandTolerance;
     if (side.flow != SideFlow::Unknown && flow != side.flow && !(closed && side.closed)) break;
     side.closed = side.closed && closed;
+    if (!side.growth) side.growth = grown;
     side.flow = flow;
     side.reach = distance;
     if (distance >= room || distance >= kFarthest * edge_ || (side.closed && distance >= kBand * edge_)) break;
@@ -198,6 +200,12 @@ OrbitSearch::Side OrbitSearch::look(ReturnMap& forward, ReturnMap& backward, dou
 
 void OrbitSearch::lookAround(const Candidate& candidate, FoundOrbit& found) const {
   found.best = bestSection(found.passages);
+  if (found.closedAround) {
+    found.orbit.kind = OrbitKind::Center;
+    found.sides = {SideFlow::Closed, SideFlow::Closed};
+    found.best.low = found.best.high = found.best.position;
+    return;
+  }
   // On that section the number of loops can be another.
   int loops = 0;
   for (const Passage& passage : found.passages) loops += found.best.section.at(field_.mesh(), passage) ? 1 : 0;
@@ -211,6 +219,11 @@ void OrbitSearch::lookAround(const Candidate& candidate, FoundOrbit& found) cons
   found.sides = {left.flow, right.flow};
 
   PeriodicOrbit& orbit = found.orbit;
+  // The return map says it best, where it is neither too steep nor too flat for differences.
+  const auto tells = [](const Side& side) { return side.growth && *side.growth > 1e-2 && *side.growth < 1e2; };
+  if (loops == found.loops && tells(left) && tells(right)) {
+    found.orbit.multiplier = std::sqrt(*left.growth * *right.growth);
+  }
   const SideFlow known = left.flow == SideFlow::Unknown ? right.flow : left.flow;
   if (left.closed && right.closed && known != SideFlow::Unknown) {
     orbit.kind = OrbitKind::Center;
@@ -221,7 +234,19 @@ void OrbitSearch::lookAround(const Candidate& candidate, FoundOrbit& found) cons
   } else if (left.flow == right.flow || right.flow == SideFlow::Unknown || left.flow == SideFlow::Unknown) {
     orbit.kind = known == SideFlow::Attracted ? OrbitKind::Attracting : OrbitKind::Repelling;
   }
-  orbit.multiplier = multiplier(orbit);
+}
+
+/// An orbit comes back to itself after some of the loops of the streamline that led to it.
+int OrbitSearch::fewestLoops(ReturnMap& returns, double position) const {
+  if (returns.loops() == 1) return 1;
+  int loops = 0, fewest = 0;
+  returns.run(position, [&](const SurfacePoint&, double time, const Passage& passage) {
+    const auto at = time > 0.0 ? returns.section().at(field_.mesh(), passage) : std::nullopt;
+    if (!at) return;
+    ++loops;
+    if (fewest == 0 && std::abs(*at - position) <= kJump * edge_) fewest = loops;
+  });
+  return fewest == 0 ? returns.loops() : fewest;
 }
 
 bool OrbitSearch::record(ReturnMap& returns, double position, FoundOrbit& found) const {
@@ -235,6 +260,7 @@ bool OrbitSearch::record(ReturnMap& returns, double position, FoundOrbit& found)
   orbit.length = back->length;
   orbit.period = back->time;
   found.crossings = back->crossings;
+  orbit.multiplier = multiplier(orbit);
   orbit.points.back() = orbit.points.front();
   if (returns.direction() == Direction::Backward) {
     std::reverse(orbit.points.begin(), orbit.points.end());
@@ -267,7 +293,8 @@ OrbitSection OrbitSearch::bestSection(const std::vector<Passage>& passages) cons
 }
 
 /// Areas beside a streamline grow with the divergence of the field (Liouville), and so do distances from a closed one:
-/// log m = integral of div V dt. The divergence of a linear field is constant within a face.
+/// log m = integral of div V dt. The divergence of a linear field is constant within a face. The curve must be in the
+/// order in which it was traced: each step then lies in the face of the point before it.
 double OrbitSearch::multiplier(const PeriodicOrbit& orbit) const {
   const TriangleMesh& mesh = field_.mesh();
   double sum = 0.0;
@@ -276,9 +303,13 @@ double OrbitSearch::multiplier(const PeriodicOrbit& orbit) const {
     if (duration <= 0.0) continue;
     const Index f = orbit.points[i].face;
     const FaceInterpolant local = faceInterpolant(field_, f);
-    const Vec3 middle = 0.5 * (position(mesh, orbit.points[i]) + position(mesh, orbit.points[i + 1]));
-    const Complex at = field_.charts->spaceToFace(f, middle - mesh.point(mesh.vertex(f, 0)));
-    sum += duration * local.jacobian(at).trace();
+    const Vec3 a = position(mesh, orbit.points[i]), b = position(mesh, orbit.points[i + 1]);
+    const auto divergence = [&](double s) {
+      const Vec3 between = (1.0 - s) * a + s * b - mesh.point(mesh.vertex(f, 0));
+      return local.jacobian(field_.charts->spaceToFace(f, between)).trace();
+    };
+    // Gauss' rule of two points, on the chord.
+    sum += 0.5 * duration * (divergence(0.2113248654) + divergence(0.7886751346));
   }
   return std::exp(sum);
 }

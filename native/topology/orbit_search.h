@@ -48,7 +48,7 @@ struct Candidate {
 
 struct OrbitSearchOptions {
   double tolerance = 1e-9;      ///< of the streamlines, in mean edge lengths
-  double bandTolerance = 1e-3;  ///< as in TopologyOptions
+  double bandTolerance = 3e-3;  ///< as in TopologyOptions
 };
 
 class OrbitSearch {
@@ -73,8 +73,9 @@ class OrbitSearch {
  private:
   struct Side {
     SideFlow flow = SideFlow::Unknown;
-    double reach = 0.0;   ///< how far from the orbit it was seen
-    bool closed = false;  ///< as good as closed half an edge away
+    double reach = 0.0;            ///< how far from the orbit it was seen
+    bool closed = false;           ///< as good as closed half an edge away
+    std::optional<double> growth;  ///< of the distance from the orbit, per loop, close to it
   };
 
   ReturnMap map(Direction direction, const Section& section, int loops, Index part, Index crossings) const;
@@ -89,6 +90,7 @@ class OrbitSearch {
   std::optional<double> solve(ReturnMap& map, double a, double atA, double b, double atB) const;
   Side look(ReturnMap& forward, ReturnMap& backward, double position, double sign) const;
   void lookAround(const Candidate& candidate, FoundOrbit& found) const;
+  int fewestLoops(ReturnMap& map, double position) const;
   bool record(ReturnMap& map, double position, FoundOrbit& found) const;
   OrbitSection bestSection(const std::vector<Passage>& passages) const;
   double multiplier(const PeriodicOrbit& orbit) const;

@@ -115,29 +115,28 @@ std::vector<PartSeed> findSeeds(const VectorField& field, const std::vector<Inde
                                 const std::vector<Part>& parts) {
   const TriangleMesh& mesh = field.mesh();
   std::vector<PartSeed> seeds;
-  std::vector<std::vector<Run>> runs(parts.size());
-  std::vector<char> begun(parts.size(), 0);
   if (std::all_of(parts.begin(), parts.end(), [](const Part& part) { return part.rests; })) return seeds;
+  std::vector<std::vector<Run>> runs(parts.size());
+  std::vector<Index> firstFace(parts.size(), kNone);
   SeedSearch search(field, of);
   for (Index f = 0; f < mesh.faceCount(); ++f) {
     const Index part = of[f];
     if (part == kNone || parts[part].rests) continue;
-    if (parts[part].borderEdges == 0 && begun[part] == 0) {
-      const SurfacePoint centre{f, Eigen::Vector3d::Constant(1.0 / 3.0)};
-      seeds.push_back({centre, Direction::Forward, part});
-      seeds.push_back({centre, Direction::Backward, part});
-    }
-    begun[part] = 1;
+    if (firstFace[part] == kNone) firstFace[part] = f;
     for (Index h = 3 * f; h < 3 * f + 3; ++h) search.search(h, runs);
   }
-  for (std::size_t part = 0; part < parts.size(); ++part) {
+  for (Index part = 0; part < static_cast<Index>(parts.size()); ++part) {
+    if (firstFace[part] == kNone) continue;
     auto& own = runs[part];
     std::stable_sort(own.begin(), own.end(), [](const Run& a, const Run& b) { return a.length > b.length; });
     if (own.size() > kMostRuns) own.resize(kMostRuns);
     for (const Run& run : own) {
-      seeds.push_back(
-          {middleOf(run.middle), run.entering ? Direction::Forward : Direction::Backward, static_cast<Index>(part)});
+      seeds.push_back({middleOf(run.middle), run.entering ? Direction::Forward : Direction::Backward, part});
     }
+    if (!own.empty()) continue;
+    const SurfacePoint centre{firstFace[part], Eigen::Vector3d::Constant(1.0 / 3.0)};
+    seeds.push_back({centre, Direction::Forward, part});
+    seeds.push_back({centre, Direction::Backward, part});
   }
   return seeds;
 }

@@ -20,7 +20,7 @@ struct RecurrentParts {
   std::vector<Index> of;  ///< part of each face, kNone where no periodic orbit can be
   Index count = 0;
   /// Where streamlines enter the parts that hold no fixed point: nothing else may lead to their orbits. One for each
-  /// run of their border that is crossed in one direction; any one where there is no border.
+  /// run of their border that is crossed in one direction; any one where there is none.
   std::vector<PartSeed> seeds;
 };
 

@@ -199,9 +199,9 @@ class Search {
   }
 
   Index knownOrbit(const FoundOrbit& found) const {
+    const bool inBand = found.closedAround || std::abs(found.orbit.multiplier - 1.0) <= options_.bandTolerance;
     for (const Passage& passage : found.passages) {
       Index orbit = destinations_->orbitAt(passage, kSameOrbit * mesh_.meanEdgeLength());
-      const bool inBand = found.closedAround || found.orbit.kind == OrbitKind::Center;
       if (orbit == kNone && inBand && passage.halfedge != kNone) {
         orbit = destinations_->bandAt(TriangleMesh::face(passage.halfedge));
       }

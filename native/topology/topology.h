@@ -78,7 +78,7 @@ struct TopologyOptions {
   double tolerance = 1e-6;
   /// A closed streamline whose neighbours, half an edge away on either side, return to within this part of that
   /// distance belongs to a band of closed streamlines.
-  double bandTolerance = 1e-3;
+  double bandTolerance = 3e-3;
   /// Edge crossings after which a streamline is given up.
   Index maximalCrossings = 500000;
 };
