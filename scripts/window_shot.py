@@ -155,7 +155,7 @@ def picture():
         analyze(weather(), distance=3.3)
         return
     if PICTURE.startswith("engine"):
-        analyze(engine(), distance=1.75, turned=(0.75, 0.0, 0.35))
+        analyze(engine(), distance=2.3, turned=(0.75, 0.0, 0.35))
         return
     from stormfield.presets import storm_merge
 
@@ -192,19 +192,19 @@ def picture():
 
 def taller_timeline():
     """Room for the names of markers: a timeline below the view instead of the small one."""
-    area = view_area()
-    before = set(bpy.context.window.screen.areas)
+    window, area = bpy.context.window, view_area()
+    before = set(window.screen.areas)
     with view_override():
         bpy.ops.screen.area_split(direction="HORIZONTAL", factor=0.16)
-    made = next(iter(set(bpy.context.window.screen.areas) - before))
+    made = next(iter(set(window.screen.areas) - before))
     made.ui_type = "TIMELINE" if made.y < area.y else made.ui_type
     space = made.spaces.active
     space.show_markers = True
     small = next(a for a in before if a.ui_type == "TIMELINE")
-    with bpy.context.temp_override(area=small):
+    with bpy.context.temp_override(window=window, area=small):
         bpy.ops.screen.area_close()
     region = next(region for region in made.regions if region.type == "WINDOW")
-    with bpy.context.temp_override(area=made, region=region):
+    with bpy.context.temp_override(window=window, area=made, region=region):
         bpy.ops.action.view_all()
 
 
@@ -282,7 +282,7 @@ def analyze(ball, distance, turned=(1.35, 0.0, 0.0)):
         print("analyze", bpy.ops.stormfield.analyze("EXEC_DEFAULT"))
         if "morse" in PICTURE:
             if PICTURE == "morse":
-                ball.stormfield.morse.method, ball.stormfield.morse.eps = "geometry", 14.0
+                ball.stormfield.morse.method, ball.stormfield.morse.eps = "geometry", 21.0
             print("morse", bpy.ops.stormfield.morse_sets("EXEC_DEFAULT"))
             analysis.show_separatrices = False
         if PICTURE != "analyzed":

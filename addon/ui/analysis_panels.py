@@ -64,6 +64,9 @@ class STORMFIELD_PT_curves(FieldPanel, bpy.types.Panel):
         return super().poll(context) and any(_exists(name) for name, _icon in CURVES)
 
     def draw(self, _context):
+        makers = [getattr(bpy.types, f"STORMFIELD_OT_{name}") for name, _icon in CURVES if _exists(name)]
+        if any([draw_progress(self.layout, maker.job_title) for maker in makers if hasattr(maker, "job_title")]):
+            return
         column = self.layout.column(align=True)
         for name, icon in CURVES:
             if _exists(name):

@@ -32,7 +32,7 @@ class STORMFIELD_UL_entities(bpy.types.UIList):
     bl_idname = "STORMFIELD_UL_entities"
 
     def draw_item(self, _context, layout, data, item, _icon, _active, _property, _index=0, _flag=0):
-        split = layout.split(factor=0.62)
+        split = layout.split(factor=0.62 if self.list_id != "history" else 0.72)
         split.label(text=item.name, icon_value=icons.of(item.kind))
         number = split.row()
         number.alignment = "RIGHT"
@@ -43,7 +43,7 @@ class STORMFIELD_UL_entities(bpy.types.UIList):
         elif item.lam_end > item.lam_start:
             number.label(text=f"{item.lam_start:.2f}–{item.lam_end:.2f}")
         else:
-            number.label(text=f"λ {item.lam:.2f}")
+            number.label(text=f"{item.lam:.2f}")
 
     def draw_filter(self, _context, layout):
         row = layout.row(align=True)
