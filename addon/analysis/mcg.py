@@ -77,6 +77,7 @@ def morse_json(decomposition: Any, graph: EntityGraph) -> dict[str, Any]:
     return {
         "method": str(decomposition.method),
         "tau": _number(decomposition.tau),
+        "refinement": decomposition.stop,
         "eps": float(decomposition.eps),
         "upper_bound": bool(decomposition.upper_bound),
         "map_edges": int(decomposition.map_edges),

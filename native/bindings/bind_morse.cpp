@@ -31,22 +31,37 @@ std::vector<double> inputWeights(const py::object& weights, Index vertices) {
   return toVector(inputArray<double>(weights, "weights", {vertices}));
 }
 
+MorseOutput analyzed(const MeshPointer& mesh, const VectorField& field, const MorseAnalysisOptions& options,
+                     Progress& progress) {
+  const bool traces = options.method != MorseMethod::Geometry;
+  return {mesh, analyzeMorse(traces ? mesh->flatFaces() : nullptr, field, options, progress)};
+}
+
 std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std::string& method,
                                              const std::optional<double>& tau, double eps, bool relative,
-                                             const py::object& weights, bool persistence, bool keepEmpty,
-                                             bool trivial) {
+                                             const py::object& weights, bool refine,
+                                             const std::optional<double>& tauMax, const std::optional<double>& seconds,
+                                             bool persistence, bool keepEmpty, bool trivial) {
   MorseAnalysisOptions options;
   options.method = morseMethod(method);
   options.tau = tau;
   options.epsilon = eps;
   options.relativeEpsilon = relative;
   options.weights = inputWeights(weights, field.mesh->mesh().vertexCount());
+  options.refine = refine;
+  options.tauMax = tauMax;
+  if (seconds) options.maximalSeconds = *seconds;
   options.persistence = persistence;
   options.keepEmpty = keepEmpty;
   options.keepTrivial = trivial;
   return std::make_shared<Job<MorseOutput>>([mesh = field.mesh, f = field.field, options](Progress& progress) {
-    const bool traces = options.method != MorseMethod::Geometry;
-    return MorseOutput{mesh, analyzeMorse(traces ? mesh->flatFaces().get() : nullptr, f, options, progress)};
+    return analyzed(mesh, f, options, progress);
+  });
+}
+
+std::shared_ptr<Job<MorseOutput>> startRefineSet(const MorsePointer& output, Index set) {
+  return std::make_shared<Job<MorseOutput>>([output, set](Progress& progress) {
+    return MorseOutput{output->mesh, withSetRefined(output->mesh->flatFaces(), output->analysis, set, progress)};
   });
 }
 
@@ -155,7 +170,21 @@ void bindDecomposition(py::module_& m) {
           [](const MorseOutput& o) {
             return o.analysis.tau > 0.0 ? std::optional<double>(o.analysis.tau) : std::nullopt;
           },
-          "Seconds (tau) or mesh units (spatial); None for geometry.")
+          "Seconds (tau) or mesh units (spatial), the largest of a refinement; None for geometry.")
+      .def_property_readonly(
+          "taus",
+          [](const MorseOutput& o) {
+            const auto& refinement = o.analysis.refinement;
+            const std::size_t faces = o.analysis.decomposition.faces.setOf().size();
+            return copied(refinement ? refinement->taus() : std::vector<double>(faces, o.analysis.tau));
+          },
+          "(m,) float64: per face the tau of its row of the map, 0 where that is geometry-based.")
+      .def_property_readonly(
+          "stop",
+          [](const MorseOutput& o) {
+            return o.analysis.stop ? std::optional<std::string>(name(*o.analysis.stop)) : std::nullopt;
+          },
+          "Why a refinement went no further: done, steps, time or cancelled; None for others.")
       .def_property_readonly(
           "eps", [](const MorseOutput& o) { return o.analysis.epsilon; },
           "Bound on the error of the vectors, mesh units per second.")
@@ -167,6 +196,10 @@ void bindDecomposition(py::module_& m) {
            "The decomposition that holds for every field within eps >= 0 (mesh units per second, times the weights).\n"
            "trivial: whether to keep sets of trivial index (None: as here). Raises InputError unless the method is "
            "geometry.")
+      .def(
+          "start_refine_set", [](const std::shared_ptr<MorseOutput>& o, Index set) { return startRefineSet(o, set); },
+          py::arg("set"),
+          "Start to refine one set of a refined decomposition, or of one by geometry with eps 0 -> MorseJob.")
       .def("connection_faces", &connectionFaces, py::arg("source"), py::arg("target"),
            "(k,) int32: faces on a way from one set to another, without theirs; empty when none leads there.")
       .def("__repr__", [](const MorseOutput& o) {
@@ -184,12 +217,16 @@ void bind_morse(py::module_& m) {
                             [](const MorseOutput& output) { return std::make_shared<MorseOutput>(output); });
   m.def(
       "start_morse", &startMorse, py::arg("field"), py::arg("method") = "geometry", py::arg("tau") = py::none(),
-      py::arg("eps") = 0.0, py::arg("relative") = false, py::arg("weights") = py::none(), py::arg("persistence") = true,
+      py::arg("eps") = 0.0, py::arg("relative") = false, py::arg("weights") = py::none(), py::arg("refine") = false,
+      py::arg("tau_max") = py::none(), py::arg("seconds") = py::none(), py::arg("persistence") = true,
       py::arg("keep_empty") = false, py::arg("trivial") = true,
       "Start the Morse decomposition of a VectorField -> MorseJob, whose result is a MorseDecomposition.\n"
       "method: geometry, tau or spatial. tau: seconds, or mesh units for spatial (None: found from the field).\n"
       "eps: bound on the error of the vectors, in mesh units per second, or mean speeds with relative; geometry only.\n"
       "weights: (n,) float64 >= 0, factors of eps at the vertices. persistence: whether to find when sets merge.\n"
+      "refine: tau and spatial only; refine coarse sets by ever larger tau, from tau up to tau_max, for at most so "
+      "many\n"
+      "seconds; a cancelled refinement returns the sets it has come to.\n"
       "keep_empty: keep sets that provably hold no recurrence. trivial: keep sets of trivial index, whose recurrence\n"
       "(pairs that cancel) nearby fields may not have. Raises InputError (at once, or from result()).");
   m.def(

@@ -1,7 +1,9 @@
 #include "morse/morse_analysis.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/message.h"
@@ -27,14 +29,6 @@ TauUnit unitOf(MorseMethod method) {
   return method == MorseMethod::Spatial ? TauUnit::Length : TauUnit::Time;
 }
 
-/// The time, or the length, to cross four edges at the mean speed.
-double fewEdges(const VectorField& field, MorseMethod method) {
-  const double length = 4.0 * field.mesh().meanEdgeLength(), speed = meanSpeed(field);
-  if (method == MorseMethod::Spatial) return length;
-  if (!(speed > 0.0)) throw InputError("the field is zero everywhere; give tau, or choose the method 'geometry'");
-  return length / speed;
-}
-
 /// Everything after the map.
 void findSets(MorseAnalysis& analysis, Progress& progress) {
   MorseOptions options;
@@ -42,6 +36,8 @@ void findSets(MorseAnalysis& analysis, Progress& progress) {
   options.keepTrivial = analysis.keepTrivial;
   if (analysis.bounded) {
     options.resting = restingWithin(*analysis.bounded, analysis.epsilon);
+  } else if (analysis.refinement) {
+    for (const double tau : analysis.refinement->taus()) options.mapped.push_back(tau > 0.0 ? 1 : 0);
   } else {
     options.mapped.assign(analysis.field->mesh().faceCount(), 1);
   }
@@ -72,8 +68,7 @@ void analyzeGeometry(MorseAnalysis& analysis, const MorseAnalysisOptions& option
   });
 }
 
-void analyzeFlow(MorseAnalysis& analysis, const FlatFaces& faces, const MorseAnalysisOptions& options,
-                 Progress& progress) {
+void checkFlowOptions(const MorseAnalysisOptions& options) {
   if (options.epsilon > 0.0) {
     throw InputError(message("an error bound needs the geometry-based map, not '", name(options.method),
                              "'; choose the method 'geometry' or set eps to 0"));
@@ -81,16 +76,50 @@ void analyzeFlow(MorseAnalysis& analysis, const FlatFaces& faces, const MorseAna
   if (options.tau && !(*options.tau > 0.0 && std::isfinite(*options.tau))) {
     throw InputError(message("tau is ", *options.tau, "; give a positive number, or none to have one found"));
   }
-  analysis.tau = options.tau ? *options.tau : fewEdges(*analysis.field, options.method);
+  if (!(options.maximalSeconds > 0.0)) {
+    throw InputError(message("the limit of time is ", options.maximalSeconds, " s; give a positive number"));
+  }
+}
+
+void analyzeFlow(MorseAnalysis& analysis, const FlatFaces& faces, const MorseAnalysisOptions& options,
+                 Progress& progress) {
+  const TauUnit unit = unitOf(options.method);
+  analysis.tau = options.tau ? *options.tau : startingTau(*analysis.field, unit);
   progress.range(0.0, 0.9);
   analysis.seconds.map = timed([&] {
     TauMapOptions tauOptions;
-    tauOptions.unit = unitOf(options.method);
+    tauOptions.unit = unit;
     analysis.map =
         std::make_shared<const CombinatorialMap>(tauMap(faces, *analysis.field, analysis.tau, tauOptions, &progress));
   });
   progress.range(0.9, 1.0);
   analysis.seconds.sets = timed([&] { findSets(analysis, progress); });
+}
+
+RefinementOptions refinementOptions(const MorseAnalysisOptions& options) {
+  RefinementOptions result;
+  result.map.unit = unitOf(options.method);
+  result.tauMin = options.tau;
+  result.tauMax = options.tauMax;
+  result.maximalSeconds = options.maximalSeconds;
+  return result;
+}
+
+/// Map and sets of what a refinement has come to, also when it was cancelled.
+void takeRefinement(MorseAnalysis& analysis, std::shared_ptr<const MorseRefinement> refinement) {
+  analysis.refinement = std::move(refinement);
+  analysis.map = std::make_shared<const CombinatorialMap>(analysis.refinement->map());
+  const std::vector<double>& taus = analysis.refinement->taus();
+  analysis.tau = *std::max_element(taus.begin(), taus.end());
+  Progress own;
+  analysis.seconds.sets = timed([&] { findSets(analysis, own); });
+}
+
+void analyzeByRefinement(MorseAnalysis& analysis, const std::shared_ptr<const FlatFaces>& faces,
+                         const MorseAnalysisOptions& options, Progress& progress) {
+  const auto refinement = std::make_shared<MorseRefinement>(faces, analysis.field, refinementOptions(options));
+  analysis.seconds.map = timed([&] { analysis.stop = refinement->refine(&progress); });
+  takeRefinement(analysis, refinement);
 }
 
 }  // namespace
@@ -114,8 +143,22 @@ MorseMethod morseMethod(const std::string& word) {
   throw InputError(message("there is no Morse method '", word, "'; choose geometry, tau or spatial"));
 }
 
-MorseAnalysis analyzeMorse(const FlatFaces* faces, const VectorField& field, const MorseAnalysisOptions& options,
-                           Progress& progress) {
+const char* name(RefinementStop stop) {
+  switch (stop) {
+    case RefinementStop::Steps:
+      return "steps";
+    case RefinementStop::Time:
+      return "time";
+    case RefinementStop::Cancelled:
+      return "cancelled";
+    case RefinementStop::Done:
+      break;
+  }
+  return "done";
+}
+
+MorseAnalysis analyzeMorse(const std::shared_ptr<const FlatFaces>& faces, const VectorField& field,
+                           const MorseAnalysisOptions& options, Progress& progress) {
   checkEpsilon(options.epsilon);
   MorseAnalysis analysis;
   analysis.method = options.method;
@@ -124,10 +167,18 @@ MorseAnalysis analyzeMorse(const FlatFaces* faces, const VectorField& field, con
   analysis.epsilon = options.relativeEpsilon ? options.epsilon * meanSpeed(field) : options.epsilon;
   analysis.field = std::make_shared<const VectorField>(field);
   if (options.method == MorseMethod::Geometry) {
-    if (options.tau) throw InputError("the method 'geometry' has no tau; leave it out, or choose tau or spatial");
+    if (options.tau || options.refine || options.tauMax) {
+      throw InputError("the method 'geometry' has no tau and no refinement; leave them out, or choose tau or spatial");
+    }
     analyzeGeometry(analysis, options, progress);
+    return analysis;
+  }
+  checkFlowOptions(options);
+  if (!faces) throw InputError("maps of the flow need the faces laid out for tracing; give them");
+  if (options.tauMax && !options.refine) throw InputError("tau_max is for refinement; set refine too, or leave it out");
+  if (options.refine) {
+    analyzeByRefinement(analysis, faces, options, progress);
   } else {
-    if (faces == nullptr) throw InputError("maps of the flow need the faces laid out for tracing; give them");
     analyzeFlow(analysis, *faces, options, progress);
   }
   return analysis;
@@ -151,6 +202,32 @@ MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTri
       timed([&] { result.map = std::make_shared<const CombinatorialMap>(mapWithin(*result.bounded, result.epsilon)); });
   result.seconds.sets = timed([&] { findSets(result, progress); });
   result.seconds.persistence = timed([&] { findPersistence(result); });
+  return result;
+}
+
+MorseAnalysis withSetRefined(const std::shared_ptr<const FlatFaces>& faces, const MorseAnalysis& analysis, Index set,
+                             Progress& progress) {
+  const Index count = analysis.decomposition.faces.count();
+  if (set < 0 || set >= count) throw InputError(message("there is no Morse set ", set, "; there are ", count));
+  const bool plain = analysis.method == MorseMethod::Geometry && analysis.epsilon == 0.0;
+  if (!analysis.refinement && !plain) {
+    throw InputError("only a refined decomposition, or one by 'geometry' with eps 0, can be refined set by set");
+  }
+  MorseAnalysis result;
+  result.method = plain ? MorseMethod::Tau : analysis.method;
+  result.keepEmpty = analysis.keepEmpty;
+  result.keepTrivial = analysis.keepTrivial;
+  result.field = analysis.field;
+  MorseAnalysisOptions options;
+  options.method = result.method;
+  const auto refinement = analysis.refinement
+                              ? std::make_shared<MorseRefinement>(*analysis.refinement)
+                              : std::make_shared<MorseRefinement>(faces, analysis.field, refinementOptions(options));
+  const Index its = refinement->sets().setOf(analysis.decomposition.faces.faces(set).front());
+  result.seconds.map = timed([&] {
+    if (its != kNone) refinement->refineSet(its, &progress);
+  });
+  takeRefinement(result, refinement);
   return result;
 }
 

@@ -1,11 +1,12 @@
 // From a field to its Morse decomposition in one call: the map F of the chosen method, the Morse sets with their
 // indices and order, and for the geometry-based map what an error bound makes of them (thesis 6.2; Figure 6.3).
 //
-//   MorseAnalysis analysis = analyzeMorse(&faces, field, {.method = MorseMethod::Tau, .tau = 0.3}, progress);
+//   MorseAnalysis analysis = analyzeMorse(faces, field, {.method = MorseMethod::Tau, .tau = 0.3}, progress);
 //   analysis.decomposition.sets[0].kind;
 //   MorseAnalysis simpler = within(analysis, 0.05, true, progress);    // geometry: fields that differ by up to 0.05
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "morse/error_bound.h"
 #include "morse/morse_decomposition.h"
 #include "morse/persistence.h"
+#include "morse/refinement.h"
 #include "tracing/flat_faces.h"
 
 namespace stormfield {
@@ -33,6 +35,11 @@ struct MorseAnalysisOptions {
   MorseMethod method = MorseMethod::Geometry;
   /// Seconds, or mesh units for Spatial; none: startingTau. Geometry has none.
   std::optional<double> tau{};
+  /// Tau and Spatial: refine coarse sets step by step (thesis 8) instead of one tau everywhere; tau is then the first.
+  bool refine = false;
+  std::optional<double> tauMax{};  ///< with refine; none: refinement.h
+  /// With refine: seconds after which the sets so far are taken.
+  double maximalSeconds = std::numeric_limits<double>::infinity();
   /// Bound on the error of the vectors, mesh units per second, or with relativeEpsilon in mean speeds of the field.
   double epsilon = 0.0;
   bool relativeEpsilon = false;
@@ -44,27 +51,38 @@ struct MorseAnalysisOptions {
 
 struct MorseAnalysis {
   MorseMethod method = MorseMethod::Geometry;
-  double tau = 0.0;      ///< what was used; 0 for Geometry
+  double tau = 0.0;      ///< what was used, the largest where it was refined; 0 for Geometry
   double epsilon = 0.0;  ///< mesh units per second
   bool keepEmpty = false, keepTrivial = true;
   std::shared_ptr<const VectorField> field;
   std::shared_ptr<const CombinatorialMap> map;
-  std::shared_ptr<const ErrorBoundedMap> bounded;  ///< Geometry only
-  std::shared_ptr<const MergeLevels> levels;       ///< Geometry with persistence only
+  std::shared_ptr<const ErrorBoundedMap> bounded;     ///< Geometry only
+  std::shared_ptr<const MergeLevels> levels;          ///< Geometry with persistence only
+  std::shared_ptr<const MorseRefinement> refinement;  ///< with refine only
+  std::optional<RefinementStop> stop;                 ///< why it went no further
   MorseDecomposition decomposition;
   struct {
     double map = 0.0, sets = 0.0, persistence = 0.0;
   } seconds;
 };
 
-/// faces: of the field's mesh; only the methods Tau and Spatial need them. Throws InputError for a tau or epsilon that
-/// cannot be used, and Cancelled.
-MorseAnalysis analyzeMorse(const FlatFaces* faces, const VectorField& field, const MorseAnalysisOptions& options,
-                           Progress& progress);
+/// faces: of the field's mesh; may be null for Geometry. Throws InputError for options that cannot be used or do not go
+/// together, and Cancelled; a refinement that is cancelled returns the sets it has come to.
+MorseAnalysis analyzeMorse(const std::shared_ptr<const FlatFaces>& faces, const VectorField& field,
+                           const MorseAnalysisOptions& options, Progress& progress);
 
 /// The decomposition that holds for every field within epsilon: that of the same analysis with this epsilon and choice
 /// of trivial sets, in the time of a search for components. Throws InputError unless the method is Geometry and epsilon
 /// a number >= 0.
 MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTrivial, Progress& progress);
+
+/// The decomposition with one set refined further by hand, by the method of its refinement, or by maps of the flow for
+/// a time where it is a plain geometry-based one. Throws InputError for a set that does not exist and for other
+/// decompositions, and Cancelled.
+MorseAnalysis withSetRefined(const std::shared_ptr<const FlatFaces>& faces, const MorseAnalysis& analysis, Index set,
+                             Progress& progress);
+
+/// Lower-case word: done, steps, time or cancelled.
+const char* name(RefinementStop stop);
 
 }  // namespace stormfield

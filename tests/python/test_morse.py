@@ -134,6 +134,62 @@ def test_maps_of_the_flow_bound_the_index(method):
     assert found.tau > 0 and found.method == method
 
 
+# Refinement -----------------------------------------------------------------------------------------------------------
+
+
+def strip_with_pair():
+    """A square whose coarse sets hold more than one feature: a slow swirl around three fixed points."""
+    axis = np.linspace(-1, 1, 31)
+    x, y = (a.ravel() for a in np.meshgrid(axis, axis))
+    corner = (np.arange(30)[:, None] * 31 + np.arange(30)).ravel()
+    a, b, c, d = corner, corner + 1, corner + 32, corner + 31
+    triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
+    mesh = native.TriangleMesh(np.stack([x, y, 0 * x], 1), triangles)
+    # Duffing's oscillator with friction: two sinks that spiral, a saddle between them.
+    vectors = np.stack([y, 0.25 * x - x**3 - 0.1 * y, 0 * x], 1)
+    return mesh, native.VectorField.from_space(mesh, vectors)
+
+
+def test_refinement_takes_sets_apart():
+    _, field = strip_with_pair()
+    coarse = decompose(field)
+    job = native.start_morse(field, "tau", refine=True)
+    fine = job.result()
+    assert fine.stop == "done" and job.fraction <= 1.0
+    kinds = Counter(s.kind for s in fine.sets)
+    assert kinds["sink"] == 2 and kinds["saddle"] == 1
+    assert len(fine.sets) > len(coarse.sets)
+    assert (fine.taus > 0).any() and fine.taus.max() == fine.tau
+    for s in fine.sets:
+        assert s.upper_bound == (fine.taus[s.faces] > 0).any()
+        # Refined sets lie in coarse ones.
+        assert len(np.unique(coarse.face_sets[s.faces])) == 1 and coarse.face_sets[s.faces[0]] >= 0
+
+
+def test_one_set_is_refined_by_hand():
+    _, field = strip_with_pair()
+    found = decompose(field)
+    largest = max(range(len(found.sets)), key=lambda i: len(found.sets[i].faces))
+    finer = found.start_refine_set(largest).result()
+    assert finer.method == "tau" and finer.tau > 0
+    refined = np.flatnonzero(finer.taus > 0)
+    assert set(refined) <= set(found.sets[largest].faces.tolist())
+    assert sum(len(s.faces) for s in finer.sets) < sum(len(s.faces) for s in found.sets)
+    with pytest.raises(native.InputError, match="no Morse set 77"):
+        found.start_refine_set(77).result()
+    with pytest.raises(native.InputError, match="set by set"):
+        decompose(field, eps=0.01).start_refine_set(0).result()
+
+
+def test_cancelled_refinement_is_a_decomposition():
+    mesh, field = data_field("bunny1V.t")
+    job = native.start_morse(field, "tau", refine=True)
+    job.cancel()
+    found = job.result()
+    assert found.stop == "cancelled"
+    assert sum(s.poincare for s in found.sets) == mesh.euler_characteristic
+
+
 # Bad input ------------------------------------------------------------------------------------------------------------
 
 
@@ -145,6 +201,10 @@ def test_refuses_bad_options(nested):
         ({"eps": float("nan")}, "eps is nan"),
         ({"eps": float("inf")}, "eps is inf"),
         ({"tau": 0.1}, "'geometry' has no tau"),
+        ({"refine": True}, "'geometry' has no tau"),
+        ({"method": "tau", "tau_max": 1.0}, "tau_max is for refinement"),
+        ({"method": "tau", "refine": True, "tau_max": -1.0}, "tau"),
+        ({"method": "tau", "refine": True, "seconds": 0.0}, "limit of time"),
         ({"method": "tau", "tau": 0.1, "eps": 0.1}, "error bound needs the geometry-based map"),
         ({"method": "tau", "tau": -1.0}, "tau"),
         ({"method": "spatial", "tau": float("nan")}, "tau"),
@@ -252,7 +312,7 @@ def test_command_line(capsys, ply, tmp_path):
     assert main(["morse", str(ply), "--json", str(out)]) == 0
     content = json.loads(out.read_text())
     assert content.keys() == {
-        *("schema", "mesh", "lam", "method", "tau", "eps", "upper_bound"),
+        *("schema", "mesh", "lam", "method", "tau", "refinement", "eps", "upper_bound"),
         *("map_edges", "morse_sets", "edges", "seconds"),
     }
     assert content["schema"] == "stormfield.morse/1" and content["mesh"]["euler_characteristic"] == 2
