@@ -22,8 +22,8 @@ namespace {
 /// and that is left of a given curve.
 constexpr double kTest = 0.525, kSeedRoom = 0.9, kGapResolution = 0.15, kSeedSpacing = 0.5, kShortBeside = 2.0,
                  kShortInGap = 0.05, kShortGiven = 0.5;
-/// Points of a line, in parts of d and of the mean edge length.
-constexpr double kStep = 0.25, kStepInEdges = 1.0;
+/// Between the points of a line: this part of d, or an edge where that is less, but no less than the last part of d.
+constexpr double kStep = 0.25, kShortestStep = 0.025;
 /// Rays around a source or sink, and the radius of the ring where they begin, in parts of d: their distance there is
 /// the radius, a little more than the test distance.
 constexpr int kRays = 6;
@@ -48,9 +48,10 @@ void check(const FlatFaces& faces, const VectorField& field, const StreamlineFea
 }
 
 LineRules makeRules(const TriangleMesh& mesh, const EvenSpacing& spacing) {
-  const double step = std::min(kStep * spacing.distance, kStepInEdges * mesh.meanEdgeLength());
-  const double most = 20.0 * mesh.totalArea() / (spacing.distance * step) + 1000.0;
-  return {spacing.distance, kTest * spacing.distance, step, spacing.minimalSpeed, static_cast<std::size_t>(most)};
+  const double d = spacing.distance;
+  const double step = std::clamp(mesh.meanEdgeLength(), kShortestStep * d, kStep * d);
+  const double most = 20.0 * mesh.totalArea() / (d * step) + 1000.0;
+  return {d, kTest * d, step, spacing.minimalSpeed, static_cast<std::size_t>(most)};
 }
 
 /// Takes the last points away that are nearer to the place than this.

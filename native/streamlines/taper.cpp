@@ -34,12 +34,12 @@ std::vector<std::vector<double>> taperLines(const TriangleMesh& mesh, const std:
   std::vector<std::vector<double>> result(lines.size());
   tbb::enumerable_thread_specific<SurfacePatch> patches([&] { return SurfacePatch(mesh); });
   tbb::parallel_for(std::size_t{0}, lines.size(), [&](std::size_t i) {
-    if (progress != nullptr) progress->check();
     const Line& line = lines[i];
     result[i] = endTaper(line, rules.distance);
     if (line.given != kNone) return;
     const auto isEarlier = [&](const LineSample& s) { return s.line < static_cast<Index>(i); };
     for (std::size_t k = 0; k < line.points.size(); ++k) {
+      if (progress != nullptr) progress->check();
       const LinePoint& p = line.points[k];
       const auto near = samples.nearest(p.position, p.point.face, rules.distance, patches.local(), isEarlier);
       if (!near) continue;
