@@ -180,18 +180,16 @@ OrbitSearch::Side OrbitSearch::look(ReturnMap& forward, ReturnMap& backward, dou
   const Section& section = forward.section();
   const double room = 0.999 * (sign > 0.0 ? section.high() - position : position - section.low());
   Side side;
-  side.closed = true;
   double distance = std::min(kNearest * edge_, 0.5 * room);
   while (true) {
     const auto grown = growth(distance);
     if (!grown) break;
     const SideFlow flow = *grown < 1.0 ? SideFlow::Attracted : SideFlow::Repelled;
     const bool closed = std::abs(*grown - 1.0) <= options_.bandTolerance;
-    if (side.flow != SideFlow::Unknown && flow != side.flow && !(closed && side.closed)) break;
+    if (side.flow == SideFlow::Unknown) side = {flow, distance, true, grown};
     side.closed = side.closed && closed;
-    if (!side.growth) side.growth = grown;
-    side.flow = flow;
-    side.reach = distance;
+    if (flow != side.flow && !side.closed) break;
+    if (flow == side.flow) side.reach = distance;
     if (distance >= room || distance >= kFarthest * edge_ || (side.closed && distance >= kBand * edge_)) break;
     distance = std::min({5.0 * distance, distance + kPiece * edge_, room});
   }
