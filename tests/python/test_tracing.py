@@ -104,3 +104,45 @@ def test_cancel(sphere, rotation):
     progress.cancel()
     with pytest.raises(native.Cancelled):
         native.trace_streamlines(rotation, *seeds(sphere, 3), maximal_time=1.0, progress=progress)
+
+
+def test_streaklines_and_timelines(sphere, rotation):
+    """In a field that does not change, every particle of a streakline lies on the circle of its seed."""
+    field = native.ParameterizedField(sphere, np.array([0.0]), sphere.to_tangent(velocity(sphere))[None])
+    track = np.array([0.0]), np.array([0.0])
+    faces, barycentric = seeds(sphere, 5)
+    at = np.array([0.5, 1.0])
+    lines = native.start_streaklines(field, *track, faces, barycentric, 0.0, at, spacing=0.1).result()
+    assert [line.time for line in lines] == [0.5, 1.0] and len(lines[1]) == 5
+    start = sphere.positions(faces, barycentric)
+    for i, part in enumerate(split(lines[1])):
+        np.testing.assert_allclose(lines[1].points[part][:, 2], start[i][2], atol=0.01)
+        np.testing.assert_allclose(lines[1].ages[part], 1.0 - lines[1].parameters[part])
+        assert (np.linalg.norm(np.diff(lines[1].points[part], axis=0), axis=1) <= 0.1 + 1e-9).all()
+    curve = (np.zeros(2, np.int32), np.array([[0.8, 0.1, 0.1], [0.1, 0.8, 0.1]]))
+    fronts = native.start_timelines(field, *track, [curve], 0.0, at).result()
+    traces = native.trace_streamlines(rotation, *curve, maximal_time=1.0)
+    np.testing.assert_allclose(fronts[1].points, traces.points[traces.offsets[1:] - 1], atol=1e-5)
+    assert not fronts[1].torn.any()
+
+
+def test_jobs_give_what_waiting_gives(sphere, rotation):
+    job = native.start_streamlines(rotation, *seeds(sphere, 5), maximal_time=1.0)
+    np.testing.assert_array_equal(
+        job.result().points, native.trace_streamlines(rotation, *seeds(sphere, 5), maximal_time=1.0).points
+    )
+
+
+def test_lines_refuse_bad_input(sphere):
+    field = native.ParameterizedField(sphere, np.array([0.0]), sphere.to_tangent(velocity(sphere))[None])
+    track = np.array([0.0]), np.array([0.0])
+    with pytest.raises(native.InputError, match="increasing"):
+        native.start_streaklines(field, *track, *seeds(sphere, 1), 0.0, np.array([1.0, 0.5])).result()
+    with pytest.raises(native.InputError, match="larger spacing"):
+        native.start_streaklines(
+            field, *track, *seeds(sphere, 1), 0.0, np.array([1.0]), spacing=1e-4, maximal_particles=10
+        ).result()
+
+
+def velocity(sphere):
+    return np.cross([0.0, 0.0, 1.0], sphere.vertices)

@@ -1,0 +1,135 @@
+"""Streamlines on the gas engine beside VTK's surface streamlines: same mesh, seeds and arc length, in one run.
+
+Edge crossings per second of processor time, and the distance of each end from that of a fine run of the same program
+(its own interpolation), in mean edge lengths: median, 95 %, largest. Needs PyPI's `vtk` and the thesis's data set.
+"""
+
+import contextlib
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+with contextlib.suppress(ImportError):
+    import bpy  # noqa: F401
+from stormfield import native
+from stormfield.readers.t_file import read_t
+
+DATA = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "gasEngineV.t"
+SEEDS, LENGTH = 400, 100.0  # number, arc length in mean edges
+
+
+def timed(work, repeats):
+    """Least processor time of several runs, seconds, and the last result."""
+    best, result = np.inf, None
+    for _ in range(repeats):
+        began = time.process_time()
+        result = work()
+        best = min(best, time.process_time() - began)
+    return best, result
+
+
+def bench_streamlines_beside_vtk():
+    if not DATA.is_file():
+        pytest.skip(f"{DATA} is not there")
+    vtk = pytest.importorskip("vtk", reason="pip install vtk to compare with it")
+    data = read_t(DATA)
+    surface = native.TriangleMesh(data.mesh.vertices, data.mesh.triangles)
+    vectors = np.asarray(data.vectors[0], np.float64)
+    field = native.VectorField.from_space(surface, vectors)
+    edge = surface.mean_edge_length
+    random = np.random.default_rng(1)
+    faces = random.integers(0, surface.face_count, SEEDS).astype(np.int32)
+    barycentric = random.dirichlet([1.0, 1.0, 1.0], SEEDS)
+
+    def ours(tolerance):
+        return native.trace_streamlines(
+            field, faces, barycentric, maximal_length=LENGTH * edge, tolerance=tolerance, minimal_speed=1e-9
+        )
+
+    exact = ours(1e-12)
+    last = exact.offsets[1:] - 1
+    whole = np.array([reason == "length" for reason in exact.reasons])
+    owner = np.repeat(np.arange(SEEDS), np.diff(exact.offsets))
+    crossed = (np.diff(exact.faces) != 0) & (np.diff(owner) == 0)
+    crossings = int(crossed.sum())
+    print(f"\n{surface.face_count} faces, {SEEDS} seeds, {LENGTH:g} edges: {crossings} edge crossings")
+
+    best_rate = {}
+    for tolerance in (1e-4, 1e-5, 1e-6, 1e-7):
+        seconds, traces = timed(lambda t=tolerance: ours(t), 5)
+        both = whole & np.array([reason == "length" for reason in traces.reasons])
+        errors = np.linalg.norm(traces.points[traces.offsets[1:] - 1] - exact.points[last], axis=1)[both] / edge
+        best_rate[tolerance] = crossings / seconds
+        report(f"Stormfield, tolerance {tolerance:g}", crossings / seconds, errors)
+
+    trace = vtk_streamlines(vtk, surface, vectors, surface.positions(faces, barycentric), LENGTH * edge)
+    fine = trace(0.005 * edge)
+    vtk_best = 0.0
+    for step in (0.5, 0.25, 0.1):
+        seconds, ends = timed(lambda s=step: trace(s * edge), 2 if step < 0.2 else 3)
+        same = np.array([a is not None and b is not None for a, b in zip(ends, fine, strict=True)])
+        errors = np.array([np.linalg.norm(a - b) for a, b, s in zip(ends, fine, same, strict=True) if s]) / edge
+        vtk_best = max(vtk_best, crossings / seconds)
+        report(f"VTK {vtk.vtkVersion.GetVTKVersion()}, Runge-Kutta 4, step {step:g} edge", crossings / seconds, errors)
+    print(f"ratio to VTK's fastest: {best_rate[1e-5] / vtk_best:.0f} at 1e-5, {best_rate[1e-6] / vtk_best:.0f} at 1e-6")
+
+
+def report(name, rate, errors):
+    median, most, worst = np.percentile(errors, [50, 95, 100])
+    print(f"{name:40} {rate / 1e6:8.3f} M crossings/s   errors {median:.1e} {most:.1e} {worst:.1e} edges")
+
+
+def vtk_streamlines(vtk, surface, vectors, seeds, length):
+    """step (mesh units) -> ends, in the order of the seeds; None for those that did not get as far as `length`."""
+    from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+
+    mesh, cells, points = vtk.vtkPolyData(), vtk.vtkCellArray(), vtk.vtkPoints()
+    points.SetData(numpy_to_vtk(surface.vertices, deep=True))
+    triangles = surface.triangles
+    cells.SetCells(
+        len(triangles),
+        numpy_to_vtkIdTypeArray(
+            np.column_stack([np.full(len(triangles), 3), triangles]).astype(np.int64).ravel(), deep=True
+        ),
+    )
+    mesh.SetPoints(points)
+    mesh.SetPolys(cells)
+    array = numpy_to_vtk(vectors, deep=True)
+    array.SetName("v")
+    mesh.GetPointData().AddArray(array)
+    mesh.GetPointData().SetActiveVectors("v")
+    start = vtk.vtkPolyData()
+    begin = vtk.vtkPoints()
+    begin.SetData(numpy_to_vtk(np.ascontiguousarray(seeds), deep=True))
+    start.SetPoints(begin)
+
+    def trace(step):
+        tracer = vtk.vtkStreamTracer()
+        tracer.SetInputData(mesh)
+        tracer.SetSourceData(start)
+        tracer.SetInputArrayToProcess(0, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_POINTS, "v")
+        tracer.SurfaceStreamlinesOn()
+        tracer.SetIntegratorTypeToRungeKutta4()
+        tracer.SetIntegrationStepUnit(vtk.vtkStreamTracer.LENGTH_UNIT)
+        tracer.SetInitialIntegrationStep(step)
+        tracer.SetMaximumPropagation(length)
+        tracer.SetMaximumNumberOfSteps(1000000)
+        tracer.SetTerminalSpeed(1e-12)
+        tracer.SetIntegrationDirectionToForward()
+        tracer.ComputeVorticityOff()
+        tracer.Update()
+        out = tracer.GetOutput()
+        ends = [None] * len(seeds)
+        positions = vtk_to_numpy(out.GetPoints().GetData())
+        ids = vtk_to_numpy(out.GetCellData().GetArray("SeedIds"))
+        reasons = vtk_to_numpy(out.GetCellData().GetArray("ReasonForTermination"))
+        lines = out.GetLines()
+        offsets, at = vtk_to_numpy(lines.GetOffsetsArray()), vtk_to_numpy(lines.GetConnectivityArray())
+        for cell, (seed, reason) in enumerate(zip(ids, reasons, strict=True)):
+            if reason == vtk.vtkStreamTracer.OUT_OF_LENGTH:
+                ends[seed] = positions[at[offsets[cell + 1] - 1]]
+        return ends
+
+    return trace
