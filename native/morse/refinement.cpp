@@ -17,8 +17,6 @@ namespace {
 
 /// Sets whose priority is within this factor of the highest are refined in the same round.
 constexpr double kRound = 16.0;
-/// Steps of doubling by default.
-constexpr double kTauRange = 64.0, kTauMinEdges = 2.0;
 
 void checkTau(const std::optional<double>& tau, const char* name) {
   if (!tau || (*tau > 0.0 && std::isfinite(*tau))) return;
@@ -83,15 +81,6 @@ MorseRefinement::MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::sh
       resting_(restingFaces(*field_)) {
   checkTau(options.tauMin, "tauMin");
   checkTau(options.tauMax, "tauMax");
-  const auto moves = [](const Complex& v) { return v != 0.0; };
-  if (options.tauMin) {
-    tauMin_ = *options.tauMin;
-  } else if (std::any_of(field_->values.begin(), field_->values.end(), moves)) {
-    tauMin_ = startingTau(*field_, options.map.unit, kTauMinEdges);
-    if (options.tauMax) tauMin_ = std::min(tauMin_, *options.tauMax);
-  }
-  tauMax_ = options.tauMax.value_or(kTauRange * tauMin_);
-
   const CombinatorialMap coarse = geometryMap(*field_);
   rows_.resize(coarse.outside());
   taus_.assign(coarse.outside(), 0.0);
@@ -102,15 +91,39 @@ MorseRefinement::MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::sh
   MorseDecomposition start = morseDecomposition(*field_, coarse, morseOptions, silent);
   sets_ = std::move(start.faces);
   indices_ = std::move(start.sets);
-  trials_.resize(indices_.size());
+  for (Index set = 0; set < sets_.count(); ++set) trials_.push_back({0.0, edgeTau(sets_.faces(set)), 0, false});
 }
 
 CombinatorialMap MorseRefinement::map() const {
   return mapOf(rows_);
 }
 
+/// The time, or length, to cross an edge of these faces; infinite where the field is zero.
+double MorseRefinement::edgeTau(const std::vector<Index>& faces) const {
+  const TriangleMesh& mesh = faces_->mesh();
+  double length = 0.0, speed = 0.0;
+  for (const Index f : faces) {
+    for (int i = 0; i < 3; ++i) {
+      length += mesh.edgeLength(mesh.edge(TriangleMesh::halfedge(f, i)));
+      speed += std::abs(field_->values[mesh.vertex(f, i)]);
+    }
+  }
+  if (!(speed > 0.0)) return std::numeric_limits<double>::infinity();
+  return options_.map.unit == TauUnit::Length ? length / (3.0 * static_cast<double>(faces.size())) : length / speed;
+}
+
 double MorseRefinement::nextTau(const Trial& trial) const {
-  return trial.tau > 0.0 ? 2.0 * trial.tau : tauMin_;
+  return std::max(2.0 * trial.tau, options_.tauMin.value_or(options_.edgesMin * trial.scale));
+}
+
+double MorseRefinement::lastTau(const Trial& trial) const {
+  return options_.tauMax.value_or(options_.edgesMax * trial.scale);
+}
+
+bool MorseRefinement::isOpen(Index set) const {
+  const Trial& trial = trials_[set];
+  const double tau = nextTau(trial);
+  return !trial.done && std::isfinite(tau) && tau <= lastTau(trial) && priority(set) > options_.leastPriority;
 }
 
 double MorseRefinement::priority(Index set) const {
@@ -121,10 +134,7 @@ double MorseRefinement::priority(Index set) const {
 std::vector<Index> MorseRefinement::chooseSets() const {
   std::vector<std::pair<double, Index>> open;
   for (Index s = 0; s < sets_.count(); ++s) {
-    const Trial& trial = trials_[s];
-    const double p = priority(s);
-    if (!trial.done && p > options_.leastPriority && nextTau(trial) <= tauMax_ && tauMax_ > 0.0)
-      open.push_back({-p, s});
+    if (isOpen(s)) open.emplace_back(-priority(s), s);
   }
   std::sort(open.begin(), open.end());
   std::vector<Index> chosen;
@@ -139,33 +149,36 @@ std::vector<Index> MorseRefinement::chooseSets() const {
 RefinementStop MorseRefinement::refine(Progress* progress) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
-  Progress step;  // looked at by the work inside, which does not know how much there is
   while (true) {
     if (progress != nullptr && progress->cancelled()) return RefinementStop::Cancelled;
     if (steps_ >= options_.maximalSteps) return RefinementStop::Steps;
     if (std::chrono::duration<double>(Clock::now() - begin).count() >= options_.maximalSeconds) {
       return RefinementStop::Time;
     }
-    const std::vector<Index> chosen = chooseSets();
-    if (chosen.empty()) return RefinementStop::Done;
-    if (progress != nullptr) progress->range(doneFraction(), std::max(doneFraction(), 0.99));
     try {
-      refineAll(chosen, progress);
+      if (!round(progress)) return RefinementStop::Done;
     } catch (const Cancelled&) {
       return RefinementStop::Cancelled;
     }
   }
 }
 
+bool MorseRefinement::round(Progress* progress) {
+  const std::vector<Index> chosen = chooseSets();
+  if (chosen.empty()) return false;
+  if (progress != nullptr) progress->range(doneFraction(), 1.0);
+  refineAll(chosen, progress);
+  return true;
+}
+
 bool MorseRefinement::refineSet(Index set, Progress* progress) {
   if (set < 0 || set >= sets_.count()) {
     throw InputError(message("there is no Morse set ", set, "; choose one from 0 to ", sets_.count() - 1));
   }
-  if (!(tauMax_ > 0.0)) return false;
   const MorseRefinement before = *this;
   try {
     // As long as the set stays as it is, it keeps its number.
-    while (nextTau(trials_[set]) <= tauMax_) {
+    while (std::isfinite(nextTau(trials_[set])) && nextTau(trials_[set]) <= lastTau(trials_[set])) {
       if (refineAll({set}, progress).front() != 0) return true;
     }
   } catch (const Cancelled&) {
@@ -180,11 +193,14 @@ double MorseRefinement::doneFraction() const {
   double done = 0.0, all = 1e-300;
   for (Index s = 0; s < sets_.count(); ++s) {
     const auto size = static_cast<double>(sets_.faces(s).size());
-    const double levels = std::max(1.0, std::log2(tauMax_ / tauMin_) + 1.0);
-    const double level = trials_[s].tau > 0.0 ? std::log2(trials_[s].tau / tauMin_) + 1.0 : 0.0;
-    const bool closed = trials_[s].done || priority(s) <= options_.leastPriority;
-    all += size * levels;
-    done += size * (closed ? levels : std::min(level, levels));
+    const Trial& trial = trials_[s];
+    all += size;
+    if (!isOpen(s)) {
+      done += size;
+    } else if (trial.tau > 0.0) {
+      const double first = 0.5 * nextTau({0.0, trial.scale, 0, false});
+      done += size * std::clamp(std::log2(trial.tau / first) / std::log2(lastTau(trial) / first), 0.0, 1.0);
+    }
   }
   return std::min(0.99, done / all);
 }
@@ -257,6 +273,7 @@ std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen) {
     if (recurs[s] == 0) continue;
     Trial trial = trials_[parent[s]];
     const bool same = fresh.faces(s).size() == sets_.faces(parent[s]).size();
+    trial.scale = edgeTau(fresh.faces(s));
     trial.unchanged = same ? trial.unchanged + 1 : 0;
     trial.done = trial.unchanged >= options_.patience;
     if (same) changed[std::lower_bound(chosen.begin(), chosen.end(), parent[s]) - chosen.begin()] = 0;

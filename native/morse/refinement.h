@@ -23,12 +23,13 @@
 namespace stormfield {
 
 struct RefinementOptions {
-  TauMapOptions map;             ///< unit and accuracy of the tau maps
-  std::optional<double> tauMin;  ///< of the first step; none: the starting tau for two edges
-  std::optional<double> tauMax;  ///< none: 64 times tauMin
-  double leastPriority = 2.0;    ///< sets of this priority or less are left as they are (r of thesis 8.3)
-  int patience = 3;              ///< doublings in a row that leave a set as it is, until it is done
-  Index maximalSteps = 100000;   ///< refinements of one set at one tau, in all
+  TauMapOptions map;  ///< unit and accuracy of the tau maps
+  /// Tau of a set's first step and the largest one; none: to cross so many edges at the mean speed within the set.
+  std::optional<double> tauMin{}, tauMax{};
+  double edgesMin = 4.0, edgesMax = 256.0;
+  double leastPriority = 2.0;  ///< sets of this priority or less are left as they are (r of thesis 8.3)
+  int patience = 3;            ///< doublings in a row that leave a set as it is, until it is done
+  Index maximalSteps = std::numeric_limits<Index>::max();           ///< refinements of one set at one tau, in all
   double maximalSeconds = std::numeric_limits<double>::infinity();  ///< looked at between rounds
 };
 
@@ -49,6 +50,8 @@ class MorseRefinement {
 
   /// Refines until a limit is met or nothing is left. Being cancelled is no error: it leaves what is complete.
   RefinementStop refine(Progress* progress = nullptr);
+  /// One round of refine; false when nothing is left. Throws Cancelled, which leaves everything as it was.
+  bool round(Progress* progress = nullptr);
   /// Refines one set, whatever its priority, until it changes or tauMax is met; whether it changed. Throws InputError
   /// for a set that does not exist, and Cancelled, which leaves everything as it was.
   bool refineSet(Index set, Progress* progress = nullptr);
@@ -66,12 +69,16 @@ class MorseRefinement {
 
  private:
   struct Trial {
-    double tau = 0.0;   ///< of the last step, 0 for none
-    int unchanged = 0;  ///< steps in a row without change
+    double tau = 0.0;    ///< of the last step, 0 for none
+    double scale = 0.0;  ///< tau to cross one edge
+    int unchanged = 0;   ///< steps in a row without change
     bool done = false;
   };
 
+  double edgeTau(const std::vector<Index>& faces) const;
   double nextTau(const Trial& trial) const;
+  double lastTau(const Trial& trial) const;
+  bool isOpen(Index set) const;
   double priority(Index set) const;
   std::vector<Index> chooseSets() const;
   std::vector<char> refineAll(const std::vector<Index>& chosen, Progress* progress);
@@ -84,7 +91,6 @@ class MorseRefinement {
   std::shared_ptr<const TauFlow> flow_;
   std::vector<int> poincare_;
   std::vector<char> resting_;
-  double tauMin_ = 0.0, tauMax_ = 0.0;
 
   std::vector<std::vector<Index>> rows_;  ///< of F, per face
   std::vector<double> taus_;
