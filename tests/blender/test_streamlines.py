@@ -41,7 +41,7 @@ def test_it_draws_closed_lines_around_a_vortex(vortex):
     assert len(read(curves, "length")) == len(curves.data.curves)
 
 
-def test_running_again_updates_in_place_and_undo_takes_it_back(vortex):
+def test_running_again_updates_in_place(vortex):
     bpy.ops.stormfield.streamlines(density=0.05)
     count = len(bpy.data.objects)
     few = len(bpy.data.objects["Ball Streamlines"].data.curves)
@@ -49,6 +49,19 @@ def test_running_again_updates_in_place_and_undo_takes_it_back(vortex):
     assert len(bpy.data.objects) == count
     assert len(bpy.data.objects["Ball Streamlines"].data.curves) > few
     assert len(bpy.data.hair_curves) == 1
+
+
+def test_undo_brings_the_earlier_lines_back(vortex):
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.stormfield.streamlines(density=0.05)
+    bpy.ops.ed.undo_push(message="wide")
+    wide = len(bpy.data.objects["Ball Streamlines"].data.curves)
+    bpy.ops.stormfield.streamlines(density=0.03)
+    bpy.ops.ed.undo_push(message="narrow")
+    bpy.ops.ed.undo()
+    assert len(bpy.data.objects["Ball Streamlines"].data.curves) == wide
+    bpy.ops.ed.undo()
+    assert "Ball Streamlines" not in bpy.data.objects
 
 
 def test_arrows_are_curves_of_three_points_and_taper_can_be_off(vortex):
