@@ -4,7 +4,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .convert import mirror, relocate
-from .operators import morse_preview, morse_state, running
+from .operators import morse_preview, morse_state, running, solver_memory
 from .ui import overlay
 
 
@@ -26,6 +26,11 @@ def stop_job(*_):
 @persistent
 def forget_drawings(*_):
     overlay.forget()
+
+
+@persistent
+def forget_solver(*_):
+    solver_memory.forget()
 
 
 @persistent
@@ -55,6 +60,7 @@ HANDLERS = (
     ("load_pre", stop_job),
     ("load_post", forget_drawings),
     ("load_post", forget_morse),
+    ("load_post", forget_solver),
     ("undo_post", forget_drawings),
     ("redo_post", forget_drawings),
     ("depsgraph_update_post", mark_changed),
@@ -69,6 +75,7 @@ def register() -> None:
 
 
 def unregister() -> None:
+    solver_memory.forget()
     for name, function in HANDLERS:
         functions = getattr(bpy.app.handlers, name)
         if function in functions:

@@ -40,6 +40,10 @@ SOLVED, WRITING = 0.75, 0.85
 DRAWN = 0.9
 #: Files that are checked between two steps.
 LOOK = 8
+#: Setting of a λ cache that was solved from an earlier solution.
+EDITED = {"start": "last solution"}
+#: Part of a bake that solving from zero takes, where it has to.
+RESOLVED = 0.3
 #: Seconds between two looks at a running solve, when nobody else paces it.
 POLL = 0.02
 
@@ -87,11 +91,13 @@ class BakeTask:
 
 @dataclass(frozen=True)
 class BakeResult:
-    """Folders of what was written by target; `whole` is false while other machines owe frames."""
+    """Folders of what was written by target; `whole` is false while other machines owe frames; `cache` is the λ cache
+    it was made from, which may be another one than the task's."""
 
     folders: dict[str, Path]
     remarks: tuple[str, ...] = ()
     whole: bool = True
+    cache: Path | None = None
 
 
 def run(steps: Steps[Result], show: Callable[[Step], None] = lambda step: None) -> Result:
@@ -119,22 +125,32 @@ def solve_steps(
     *,
     folder: Path | None = None,
     resume: bool = True,
-    warm_start=None,
+    memory: solve.SolverMemory | None = None,
 ) -> Steps[Path]:
     """Solves a design into its λ cache, root/lambda-<key>, or `folder`; returns that folder.
 
     resume: samples that are there already, from the same design and mesh, are kept.
+    memory: while an artist edits, each solve starts from the last one. Its bytes then depend on the edits before, so
+    such a cache says so in its settings and has a folder of its own; bake_steps solves it from zero before it bakes.
     """
     design.check()
     settings = {"design": design.to_json(), "attributes": list(fields.ATTRIBUTES), "stormfield": __version__}
     lambdas = np.linspace(0.0, 1.0, design.settings.samples).tolist()
-    target = folder or Path(root) / _key(
-        "lambda", Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)
-    )
+
+    def own_folder() -> Path:
+        plan = Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)
+        return folder or Path(root) / _key("lambda", plan)
+
+    target = own_folder()
+    if memory is not None and memory.holds(mesh) and not (target / MANIFEST).exists():
+        settings |= EDITED
+        target = own_folder()
+        # Samples of two solves that stopped halfway would not fit together.
+        resume = resume and (target / MANIFEST).exists()
     writer = FieldCacheWriter(target, mesh, lambdas, settings, polygons=_polygons(polygons), resume=resume)
     missing = yield from _missing(writer, range(len(lambdas)))
     if missing:
-        solving = solve.start_solve(mesh, design, warm_start)
+        solving = solve.start_solve(mesh, design, memory)
         yield from _until_done(solving, 0.0, SOLVED, "Solving")
         solution = solving.result()
         streams = native.start_stream_functions(solution.fields["advection"])
@@ -148,6 +164,20 @@ def solve_steps(
     yield Step(1.0, "Joining the samples")
     writer.finish()
     return target
+
+
+def is_edited(cache: Path) -> bool:
+    """Whether a λ cache was solved from an earlier solution, so that its bytes depend on the edits before it."""
+    return all(open_cache(cache).settings.get(name) == value for name, value in EDITED.items())
+
+
+def _from_zero(task: BakeTask) -> Steps[BakeTask]:
+    """The task with its λ cache solved from zero: a bake gives the same bytes whatever was edited before it."""
+    cache = open_cache(task.cache)
+    cache.check_mesh(task.mesh)
+    design = Design.from_json(cache.settings["design"])
+    folder = yield from solve_steps(task.mesh, design, task.cache.parent, task.polygons)
+    return replace(task, cache=folder)
 
 
 def _until_done(running, start: float, end: float, message: str) -> Steps[None]:
@@ -174,8 +204,15 @@ def check_task(task: BakeTask) -> None:
 
 
 def bake_steps(task: BakeTask) -> Steps[BakeResult]:
-    """Writes the targets of a task, one after the other, frame by frame."""
+    """Writes the targets of a task, one after the other, frame by frame.
+
+    An edited λ cache is solved from zero first.
+    """
     check_task(task)
+    begin = 0.0
+    if is_edited(task.cache):
+        begin = RESOLVED
+        task = yield from _scaled(_from_zero(task), 0.0, begin)
     cache = open_cache(task.cache)
     cache.check_mesh(task.mesh)
     indices = _indices(task)
@@ -189,11 +226,12 @@ def bake_steps(task: BakeTask) -> Steps[BakeResult]:
     ordered = [target for target in TARGETS if target in task.targets]
     for number, target in enumerate(ordered):
         steps = _TARGET_STEPS[target](task, cache, indices, baked_from)
-        folder, notes, finished = yield from _scaled(steps, number / len(ordered), (number + 1) / len(ordered))
+        parts = (_between(begin, 1.0, (number + part) / len(ordered)) for part in (0, 1))
+        folder, notes, finished = yield from _scaled(steps, *parts)
         folders[target] = folder
         remarks += notes
         whole &= finished
-    return BakeResult(folders, tuple(remarks), whole)
+    return BakeResult(folders, tuple(remarks), whole, task.cache)
 
 
 TargetResult = tuple[Path, list[str], bool]

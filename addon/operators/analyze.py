@@ -13,15 +13,6 @@ class AnalysisOperator(JobOperator):
     """Mix-in of operators that need a field on the mesh."""
 
     @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        reason = cls.why_not(active_field(context))
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
-
-    @classmethod
     def why_not(cls, obj: bpy.types.Object) -> str:
         return why_no_field(obj)
 

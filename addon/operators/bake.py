@@ -7,7 +7,6 @@ from ..convert import attach, folders
 from ..convert.bake_task import read_bake_task
 from . import requirements
 from .job_operator import JobOperator
-from .shared import active_field
 
 
 def why_not(obj: bpy.types.Object) -> str:
@@ -29,20 +28,13 @@ class STORMFIELD_OT_bake(JobOperator, bpy.types.Operator):
     bl_label = "Bake"
     bl_options = {"REGISTER", "UNDO"}
     job_title = "Baking"
-
-    @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        reason = why_not(active_field(context))
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+    why_not = staticmethod(why_not)
 
     def start(self, context, obj):
         return bake_steps(read_bake_task(context, obj, attach.attached_folder(obj, attach.LAMBDA)))
 
     def finish(self, context, obj, result):
+        attach.attach_lambda(obj, result.cache)
         if "usd" in result.folders:
             attach.attach_frames(obj, result.folders["usd"])
             folders.delete_old_caches(result.folders["usd"].parent, "frames")

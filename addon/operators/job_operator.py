@@ -2,6 +2,7 @@
 
     class SOLVE(JobOperator, Operator):
         job_title = "Solving"
+        why_not = staticmethod(why_not)  # object -> why it cannot be done now, and the cure; "" when it can
         def start(self, context, obj):  -> generator that yields steps with .fraction and .message, returns its result
         def finish(self, context, obj, result):  attaches what was made
 
@@ -33,7 +34,17 @@ class JobOperator(FieldOperator):
         if running.current() is not None:
             cls.poll_message_set(f"{running.current().title} '{running.current().object_name}'; press Esc to stop it")
             return False
-        return super().poll(context)
+        if not super().poll(context):
+            return False
+        reason = cls.why_not(active_field(context))
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    @staticmethod
+    def why_not(_obj: bpy.types.Object) -> str:
+        """Why the work cannot begin now, and the cure; empty when it can."""
+        return ""
 
     def invoke(self, context, _event):
         if bpy.app.background:

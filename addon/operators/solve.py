@@ -6,9 +6,8 @@ from ..bake.job import solve_steps
 from ..convert import attach, folders
 from ..convert.mesh_arrays import read_polygons
 from ..convert.scene import read_design
-from . import requirements
+from . import requirements, solver_memory
 from .job_operator import JobOperator
-from .shared import active_field
 
 
 def why_not(obj: bpy.types.Object) -> str:
@@ -25,19 +24,12 @@ class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
     bl_label = "Solve"
     bl_options = {"REGISTER", "UNDO"}
     job_title = "Solving"
-
-    @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        reason = why_not(active_field(context))
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+    why_not = staticmethod(why_not)
 
     def start(self, context, obj):
         mesh, design = read_design(context, obj)
-        return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj))
+        memory = solver_memory.of(obj) if obj.stormfield.solve.keep_solver else None
+        return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj), memory=memory)
 
     def finish(self, context, obj, folder):
         attach.attach_lambda(obj, folder)

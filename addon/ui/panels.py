@@ -136,6 +136,7 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         column.prop(settings, "lambda_weight")
         column.prop(settings, "samples")
         column.prop(settings, "tolerance")
+        column.prop(settings, "keep_solver")
         folder = attach.attached_folder(obj, attach.LAMBDA)
         if folder is not None and not (folder / attach.STAGE).exists():
             text_lines(context, layout, f"The λ cache is missing: {folder}. Solve again", icon="ERROR")

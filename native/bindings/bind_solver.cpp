@@ -40,7 +40,8 @@ SpaceTimeOptions makeOptions(Index samples, double lambdaWeight, double toleranc
 SolveOutput solveNow(const MeshPointer& mesh, const ConstraintSet& constraints, const SpaceTimeOptions& options,
                      Progress& progress, const ParameterizedField* warmStart) {
   const SpaceTimeSolver solver(mesh->charts(), options, progress);
-  return {mesh, solver.solve(constraints, progress, warmStart)};
+  SpaceTimeState state = warmStart ? solver.startFrom(*warmStart) : SpaceTimeState();
+  return {mesh, solver.solve(constraints, progress, state)};
 }
 
 SolveOutput solve(const MeshPointer& mesh, const ConstraintSet& constraints, const SpaceTimeOptions& options,

@@ -18,6 +18,14 @@ SpaceTimeOptions solverOptions(const DesignOptions& options) {
   return result;
 }
 
+const DesignOptions& checked(const DesignOptions& options) {
+  if (!(options.evenSpeed >= 0.0 && options.evenSpeed <= 1.0))
+    throw InputError("even speed is " + shortNumber(options.evenSpeed) + ": give a number from 0 to 1");
+  if (!(options.lambdaPerSecond > 0.0))
+    throw InputError("lambda per second is " + shortNumber(options.lambdaPerSecond) + ": give a number above 0");
+  return options;
+}
+
 /// The speed falls over the core of the smallest singular element; where there is none, over a part of the surface.
 double evenSpeedReach(const std::vector<DesignElement>& elements, double size) {
   constexpr double kPartOfSize = 0.05;
@@ -31,25 +39,28 @@ double evenSpeedReach(const std::vector<DesignElement>& elements, double size) {
 
 DesignSolver::DesignSolver(std::shared_ptr<const VertexCharts> charts, const DesignOptions& options,
                            const Progress& progress)
-    : charts_(std::move(charts)), options_(options), solver_(charts_, solverOptions(options), progress) {
-  if (!(options.evenSpeed >= 0.0 && options.evenSpeed <= 1.0))
-    throw InputError("even speed is " + shortNumber(options.evenSpeed) + ": give a number from 0 to 1");
-  if (!(options.lambdaPerSecond > 0.0))
-    throw InputError("lambda per second is " + shortNumber(options.lambdaPerSecond) + ": give a number above 0");
+    : charts_(std::move(charts)), options_(checked(options)), solver_(charts_, solverOptions(options), progress) {}
+
+void DesignSolver::setOptions(const DesignOptions& options, const Progress& progress) {
+  if (solverOptions(checked(options)) != solver_.options()) {
+    solver_ = SpaceTimeSolver(charts_, solverOptions(options), progress);
+    states_.clear();
+  }
+  options_ = options;
 }
 
-SpaceTimeResult DesignSolver::solve(const std::vector<DesignElement>& elements, Progress& progress,
-                                    const ParameterizedField* warmStart, int part, int parts) const {
+SpaceTimeResult DesignSolver::solve(const std::vector<DesignElement>& elements, Progress& progress, int field,
+                                    int fields) {
   constexpr double kConstraintsPart = 0.3;
-  const double begin = static_cast<double>(part) / parts, end = static_cast<double>(part + 1) / parts;
+  const double begin = static_cast<double>(field) / fields, end = static_cast<double>(field + 1) / fields;
   progress.range(begin, begin + kConstraintsPart * (end - begin));
   ElementOptions elementOptions;
   elementOptions.samples = options_.samples;
   elementOptions.lambdaPerSecond = options_.lambdaPerSecond;
   const ConstraintSet constraints = elementConstraints(charts_, elements, elementOptions, &progress);
   progress.range(begin + kConstraintsPart * (end - begin), end);
-  if (warmStart && warmStart->sampleCount() != options_.samples) warmStart = nullptr;
-  SpaceTimeResult result = solver_.solve(constraints, progress, warmStart);
+  if (static_cast<int>(states_.size()) <= field) states_.resize(field + 1);
+  SpaceTimeResult result = solver_.solve(constraints, progress, states_[field]);
   if (options_.evenSpeed > 0.0)
     result.field = evenSpeed(result.field, options_.evenSpeed, evenSpeedReach(elements, charts_->mesh().size()));
   return result;

@@ -2,6 +2,7 @@
 //
 //   DesignSolver solver(charts, {.samples = 100});
 //   SpaceTimeResult result = solver.solve(elements, progress);
+//   SpaceTimeResult again = solver.solve(movedElements, progress);  // starts from the last one
 #pragma once
 
 #include "design/element_constraints.h"
@@ -17,22 +18,28 @@ struct DesignOptions {
   double lambdaPerSecond = 1.0;  ///< s in d lambda = s dt, for pathlines
 };
 
+/// Keeps what solves on one mesh share, and what each leaves for the next: some seven vectors of single precision
+/// unknowns per field. A solver that is new starts from zero, and its results depend on nothing but their arguments;
+/// after that, fields are the same to the tolerance, but not to the bit.
 class DesignSolver {
  public:
-  /// Builds what the solves on one mesh share. Throws InputError for options out of range.
+  /// Throws InputError for options out of range.
   DesignSolver(std::shared_ptr<const VertexCharts> charts, const DesignOptions& options,
                const Progress& progress = Progress());
 
-  /// Throws what elementConstraints and SpaceTimeSolver::solve throw. A warm start from another number of samples is
-  /// passed over.
-  /// `part` of `parts` says which share of the progress this solve is.
-  SpaceTimeResult solve(const std::vector<DesignElement>& elements, Progress& progress,
-                        const ParameterizedField* warmStart = nullptr, int part = 0, int parts = 1) const;
+  /// For the solves to come; keeps what the change lets it keep. Throws InputError for options out of range.
+  void setOptions(const DesignOptions& options, const Progress& progress = Progress());
+
+  /// Throws what elementConstraints and SpaceTimeSolver::solve throw, and is as good as before then. field of fields:
+  /// which of several designs on the mesh this is (each starts from its own last solution), and its share of the
+  /// progress.
+  SpaceTimeResult solve(const std::vector<DesignElement>& elements, Progress& progress, int field = 0, int fields = 1);
 
  private:
   std::shared_ptr<const VertexCharts> charts_;
   DesignOptions options_;
   SpaceTimeSolver solver_;
+  std::vector<SpaceTimeState> states_;  ///< per field
 };
 
 }  // namespace stormfield

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <mutex>
-#include <utility>
+#include <map>
+#include <optional>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -61,12 +61,43 @@ void check(const ConstraintSet& constraints, Index vertices, Index samples) {
   }
 }
 
-[[noreturn]] void contradiction(const ConstraintSet& constraints, std::size_t a, std::size_t b, Index samples) {
-  const Index j = constraints.sample[a];
-  const double lambda = samples > 1 ? static_cast<double>(j) / (samples - 1) : 0.0;
-  throw InputError(message(elementName(constraints, a), " and ", elementName(constraints, b),
-                           " want different hard values at vertex ", constraints.vertex[a], " at lambda ", lambda,
-                           " (sample ", j, "): move one of them or make it soft"));
+/// Reports the first two constraints in the row that contradict.
+[[noreturn]] void contradiction(const ConstraintSet& constraints, const std::vector<Index>& rowOf, Index row,
+                                Index samples) {
+  std::map<Index, std::size_t> hard;  // by sample
+  for (std::size_t b = 0;; ++b) {
+    if (rowOf[constraints.vertex[b]] != row || !std::isinf(constraints.weight[b])) continue;
+    const auto [first, isNew] = hard.emplace(constraints.sample[b], b);
+    const std::size_t a = first->second;
+    if (isNew || !differ(constraints.value[a], constraints.value[b])) continue;
+    const Index j = constraints.sample[a];
+    const double lambda = samples > 1 ? static_cast<double>(j) / (samples - 1) : 0.0;
+    throw InputError(message(elementName(constraints, a), " and ", elementName(constraints, b),
+                             " want different hard values at vertex ", constraints.vertex[a], " at lambda ", lambda,
+                             " (sample ", j, "): move one of them or make it soft"));
+  }
+}
+
+/// Sorts the entries of a row by sample and makes those of one sample one: hard before soft, soft ones added up.
+/// Returns their number, nothing when two hard ones contradict.
+std::optional<std::size_t> mergeSamples(ConstraintRows::Entry* first, ConstraintRows::Entry* last) {
+  const auto bySample = [](const auto& a, const auto& b) { return a.sample < b.sample; };
+  if (!std::is_sorted(first, last, bySample)) std::stable_sort(first, last, bySample);
+  if (first == last) return 0;
+  ConstraintRows::Entry* merged = first;
+  for (const ConstraintRows::Entry* next = first + 1; next < last; ++next) {
+    if (next->sample != merged->sample) {
+      *++merged = *next;
+    } else if (merged->hard()) {
+      if (next->hard() && differ(merged->pull, next->pull)) return std::nullopt;
+    } else if (next->hard()) {
+      *merged = *next;
+    } else {
+      merged->weight += next->weight;
+      merged->pull += next->pull;
+    }
+  }
+  return merged + 1 - first;
 }
 
 }  // namespace
@@ -81,58 +112,33 @@ ConstraintRows constraintRows(const ConstraintSet& constraints, const std::vecto
     if (rowOf[v] != kNone) ++start[rowOf[v] + 1];
   }
   for (std::size_t i = 0; i < rows; ++i) start[i + 1] += start[i];
-  std::vector<std::size_t> sorted(start.back());
-  std::vector<std::size_t> next(start.begin(), start.end() - 1);
+  ConstraintRows result;
+  result.entries.resize(start.back());
+  result.start.assign(start.begin(), start.end() - 1);
+  result.stop = result.start;
   for (std::size_t k = 0; k < constraints.size(); ++k) {
-    if (rowOf[constraints.vertex[k]] != kNone) sorted[next[rowOf[constraints.vertex[k]]]++] = k;
+    const Index row = rowOf[constraints.vertex[k]];
+    if (row == kNone) continue;
+    const double weight = constraints.weight[k];
+    const bool hard = std::isinf(weight);
+    result.anyHard = result.anyHard || hard;
+    result.entries[result.stop[row]++] = {constraints.sample[k], hard ? weight : weight * mass[row],
+                                          hard ? constraints.value[k] : weight * mass[row] * constraints.value[k]};
   }
 
-  ConstraintRows result;
-  result.start.assign(start.begin(), start.end() - 1);
-  result.stop.resize(rows);
-  result.entries.resize(sorted.size());
-  // Two constraints that contradict, of the first row that has any.
-  std::pair<std::size_t, std::size_t> fault;
+  // The first row in which two constraints contradict.
   std::atomic<std::size_t> faultyRow{rows};
-  std::atomic<bool> anyHard{false};
-  std::mutex faultMutex;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows, 512), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(start[i]);
-      const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(start[i + 1]);
-      const auto bySample = [&](std::size_t a, std::size_t b) { return constraints.sample[a] < constraints.sample[b]; };
-      if (!std::is_sorted(first, last, bySample)) std::stable_sort(first, last, bySample);
-      std::size_t count = start[i];
-      std::size_t hardBefore = 0;
-      for (auto it = first; it != last; ++it) {
-        const std::size_t k = *it;
-        const bool hard = std::isinf(constraints.weight[k]);
-        if (it == first || result.entries[count - 1].sample != constraints.sample[k]) {
-          result.entries[count++] = {constraints.sample[k], 0.0, 0.0};
-        }
-        ConstraintRows::Entry& entry = result.entries[count - 1];
-        if (hard) {
-          if (entry.hard() && differ(entry.pull, constraints.value[k])) {
-            const std::lock_guard lock(faultMutex);
-            if (i < faultyRow) {
-              faultyRow = i;
-              fault = {hardBefore, k};
-            }
-          }
-          entry.weight = constraints.weight[k];
-          entry.pull = constraints.value[k];
-          hardBefore = k;
-          anyHard = true;
-        } else if (!entry.hard()) {
-          entry.weight += constraints.weight[k] * mass[i];
-          entry.pull += constraints.weight[k] * mass[i] * constraints.value[k];
-        }
+      ConstraintRows::Entry* first = result.entries.data() + result.start[i];
+      const auto count = mergeSamples(first, result.entries.data() + result.stop[i]);
+      result.stop[i] = result.start[i] + count.value_or(0);
+      std::size_t least = faultyRow;
+      while (!count && i < least && !faultyRow.compare_exchange_weak(least, i)) {
       }
-      result.stop[i] = count;
     }
   });
-  if (faultyRow < rows) contradiction(constraints, fault.first, fault.second, samples);
-  result.anyHard = anyHard;
+  if (faultyRow < rows) contradiction(constraints, rowOf, static_cast<Index>(faultyRow), samples);
   return result;
 }
 

@@ -4,6 +4,7 @@
 // weight infinite, pull = its value.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 #include "solver/constraint.h"
@@ -18,6 +19,7 @@ struct ConstraintRows {
     Complex pull;
 
     bool hard() const { return weight == std::numeric_limits<double>::infinity(); }
+    bool operator==(const Entry&) const = default;
   };
   std::vector<std::size_t> start, stop;  ///< of each row, into entries
   std::vector<Entry> entries;            ///< in a row by sample, each sample once
@@ -25,6 +27,9 @@ struct ConstraintRows {
 
   const Entry* begin(Index row) const { return entries.data() + start[row]; }
   const Entry* end(Index row) const { return entries.data() + stop[row]; }
+  bool sameRow(Index row, const ConstraintRows& other) const {
+    return std::equal(begin(row), end(row), other.begin(row), other.end(row));
+  }
 };
 
 /// rowOf: row of each mesh vertex (kNone for unused ones); mass: per row. Throws InputError, naming elements, when

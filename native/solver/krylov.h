@@ -7,14 +7,22 @@
 // step that does not halve the residual hands over to conjugate gradients.
 #pragma once
 
-#include "base/progress.h"
 #include "solver/multigrid.h"
+#include "solver/space_time_operator.h"
 
 namespace stormfield {
 
-/// Adds the solution of A e = r to x (or writes it there, fromZero) until r, which is overwritten and has the length
-/// given, is as short as the target, or for so many steps. Returns their number. Buffers: two vectors.
-int krylovSolve(Multigrid& multigrid, float* r, float* x, bool fromZero, double length, double target, int maxSteps,
-                Progress& progress);
+/// Rows of the finest level: solution, residual, and two to work with.
+struct KrylovVectors {
+  FieldBuffer x, r, z, p;
+
+  KrylovVectors() = default;
+  explicit KrylovVectors(std::size_t floats) : x(floats), r(floats), z(floats), p(floats) {}
+};
+
+/// Adds the solution of A e = r to x until r, which is carried along, is as short as the target, or for so many steps.
+/// squares: of the length of r, per chunk. Returns the number of steps. r ends as anything.
+int krylovSolve(Multigrid& multigrid, const SpaceTimeOperator& matrix, KrylovVectors& vectors,
+                std::vector<double> squares, double target, int maxSteps, Progress& progress);
 
 }  // namespace stormfield

@@ -84,15 +84,22 @@ LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, cons
   return result;
 }
 
-FieldBuffer inversePivots(const SurfaceLevel& level, const LevelWeights& weights) {
+void updatePivots(const SurfaceLevel& level, const LevelWeights& weights, const LevelWeights& before, float* inverse) {
   const LambdaGrid& lambda = level.lambda;
   const Index samples = lambda.samples();
   const Index middle = samples / 2;
-  FieldBuffer inverse(static_cast<std::size_t>(level.rows()) * samples);
+  const bool any = before.start.size() == weights.start.size();
+  auto unchanged = [&](Index i) {
+    return any && std::equal(weights.entries.begin() + static_cast<std::ptrdiff_t>(weights.start[i]),
+                             weights.entries.begin() + static_cast<std::ptrdiff_t>(weights.start[i + 1]),
+                             before.entries.begin() + static_cast<std::ptrdiff_t>(before.start[i]),
+                             before.entries.begin() + static_cast<std::ptrdiff_t>(before.start[i + 1]));
+  };
   tbb::parallel_for(Index{0}, level.sweep.chunks(), [&](Index chunk) {
     std::vector<double> pivot(samples);
     const Index first = level.sweep.chunkStart[chunk];
     for (Index i = first; i < level.sweep.chunkStart[chunk + 1]; ++i) {
+      if (unchanged(i)) continue;
       const double k = level.lambdaCoupling[i];
       for (Index j = 0; j < samples; ++j) {
         pivot[j] = static_cast<double>(level.diagonal[i]) * lambda.mass[j] + k * ((j > 0) + (j + 1 < samples));
@@ -103,7 +110,7 @@ FieldBuffer inversePivots(const SurfaceLevel& level, const LevelWeights& weights
       // The two rows of a pair take turns in memory.
       const bool pair = i < level.sweep.pairEnd[chunk];
       const Index even = pair ? i - (i - first) % 2 : i;
-      float* out = inverse.data() + static_cast<std::size_t>(even) * samples + (i - even);
+      float* out = inverse + static_cast<std::size_t>(even) * samples + (i - even);
       const Index step = pair ? 2 : 1;
       // Away from constraints the pivots soon repeat, and the division can be left out.
       double lastPivot = -1.0, lastTaken = 0.0, one = 0.0;
@@ -123,7 +130,6 @@ FieldBuffer inversePivots(const SurfaceLevel& level, const LevelWeights& weights
       eliminate(middle, above + below);
     }
   });
-  return inverse;
 }
 
 }  // namespace stormfield

@@ -1,83 +1,22 @@
-// The two inner loops of the solver, over rows of complex float values contiguous in lambda: sums of rotated
-// neighbour rows, and the exact solve of one vertex's tridiagonal system in lambda.
+// The exact solve of one vertex's tridiagonal system in lambda, and of two at once.
 #pragma once
 
 #include <cstring>
 
-#include "solver/lambda_grid.h"
+#include "solver/gather_kernel.h"
 
 namespace stormfield::kernels {
 
-/// 16 bytes: four floats (two complex values) or two doubles (one). InMemory is the same anywhere in an array. Vectors
-/// are never passed by value.
-template <typename Real>
-struct Register;
-template <>
-struct Register<float> {
-  using Type = float __attribute__((vector_size(16)));
-  using InMemory = float __attribute__((vector_size(16), aligned(4), may_alias));
-};
-template <>
-struct Register<double> {
-  using Type = double __attribute__((vector_size(16)));
-  using InMemory = double __attribute__((vector_size(16), aligned(8), may_alias));
-};
-template <typename Real>
-using VectorOf = typename Register<Real>::Type;
-using Vector = VectorOf<float>;
+/// Four floats (two complex values), which every processor has registers for.
+using Vector = VectorOf<16, float>;
 
 template <typename Real>
-inline const typename Register<Real>::InMemory& load(const Real* p) {
-  return *reinterpret_cast<const typename Register<Real>::InMemory*>(p);
+inline const typename Register<16, Real>::InMemory& load(const Real* p) {
+  return loadVector<16>(p);
 }
 template <typename Real>
-inline void store(Real* p, const VectorOf<Real>& v) {
-  *reinterpret_cast<typename Register<Real>::InMemory*>(p) = v;
-}
-
-/// One coupling of a row: the neighbour and the matrix entry.
-template <typename Real>
-struct CouplingOf {
-  Index column;
-  Real re, im;
-};
-using Coupling = CouplingOf<float>;
-
-/// Calls finish(offset, sum over the couplings of entry times neighbour row) for Width vectors from offset k. The two
-/// parts of each entry are summed apart, so that the inner loop needs no shuffles.
-template <int Width, typename Real, typename Finish>
-inline void gatherBlock(const CouplingOf<Real>* first, const CouplingOf<Real>* last, const Real* x, std::size_t stride,
-                        std::size_t k, const Finish& finish) {
-  constexpr std::size_t kLanes = 16 / sizeof(Real);
-  VectorOf<Real> real[Width] = {};
-  VectorOf<Real> imaginary[Width] = {};
-  for (const CouplingOf<Real>* c = first; c != last; ++c) {
-    const Real* row = x + static_cast<std::size_t>(c->column) * stride + k;
-    for (int w = 0; w < Width; ++w) {
-      const VectorOf<Real> v = load(row + kLanes * w);
-      real[w] += c->re * v;
-      imaginary[w] += c->im * v;
-    }
-  }
-  for (int w = 0; w < Width; ++w) {
-    if constexpr (kLanes == 4) {
-      const VectorOf<Real> sign = {-1, 1, -1, 1};
-      finish(k + kLanes * w, real[w] + sign * __builtin_shufflevector(imaginary[w], imaginary[w], 1, 0, 3, 2));
-    } else {
-      const VectorOf<Real> sign = {-1, 1};
-      finish(k + kLanes * w, real[w] + sign * __builtin_shufflevector(imaginary[w], imaginary[w], 1, 0));
-    }
-  }
-}
-
-/// The same for the whole row; stride is a multiple of 32 bytes.
-template <typename Real, typename Finish>
-inline void gatherRow(const CouplingOf<Real>* first, const CouplingOf<Real>* last, const Real* x, std::size_t stride,
-                      const Finish& finish) {
-  constexpr std::size_t kLanes = 16 / sizeof(Real);
-  std::size_t k = 0;
-  for (; k + 4 * kLanes <= stride; k += 4 * kLanes) gatherBlock<4>(first, last, x, stride, k, finish);
-  for (; k < stride; k += 2 * kLanes) gatherBlock<2>(first, last, x, stride, k, finish);
+inline void store(Real* p, const VectorOf<16, Real>& v) {
+  storeVector<16>(p, v);
 }
 
 /// Solves T x = y in place, T tridiagonal with the off-diagonals -coupling, by elimination from both ends towards the
@@ -106,7 +45,7 @@ inline void solveLine(const float* inverse, float coupling, Index samples, float
 inline void loadTwice(const float* p, Vector& v) {
   double both;
   std::memcpy(&both, p, sizeof both);
-  const VectorOf<double> pair = {both, 0.0};
+  const VectorOf<16, double> pair = {both, 0.0};
   std::memcpy(&v, &pair, sizeof v);
   v = __builtin_shufflevector(v, v, 0, 0, 1, 1);
 }

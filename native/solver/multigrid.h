@@ -1,43 +1,45 @@
-// One symmetric V-cycle of the space-time multigrid for one set of constraints: the preconditioner of the solve.
+// One symmetric V-cycle of the space-time multigrid for one set of constraints at a time: the preconditioner of the
+// solve.
 //
 // Smoother: Gauss-Seidel over the vertices, each vertex's whole line of samples solved exactly, forward on the way down
 // (from zero) and backward on the way up. Hard constraints are rows of zeros; on coarser levels they, and soft ones,
 // are lumped weights.
 #pragma once
 
-#include "solver/constraint_rows.h"
-#include "solver/field_buffer.h"
+#include "base/progress.h"
+#include "solver/level_weights.h"
 
 namespace stormfield {
 
 class Multigrid {
  public:
-  Multigrid(const SurfaceHierarchy& hierarchy, const ConstraintRows& constraints, const Progress& progress);
+  explicit Multigrid(const SurfaceHierarchy& hierarchy);
 
-  /// z = M r for rows of the finest level.
-  void apply(const float* r, float* z);
-  struct Products {
-    double withImage = 0.0;  ///< inner product of `with` and q
-    double image = 0.0;      ///< of q and q
-  };
-  /// q = A p on the finest level, hard rows zero.
-  Products applyOperator(const float* p, float* q, const float* with) const;
+  /// The constraints of the cycles to come, which must outlive them. Lines whose weights stay as they were are not
+  /// factorised again.
+  void constrain(const ConstraintRows& constraints, const Progress& progress);
+
+  /// z = M r for rows of the finest level. silent: chunks of it where r is small enough for the forward sweep to pass
+  /// them over (none when empty); M is symmetric without them only.
+  void apply(const float* r, float* z, const std::vector<char>& silent, const Progress& progress);
 
   const SurfaceLevel& finest() const { return hierarchy_.levels.front(); }
-  const Progress& progress() const { return progress_; }
 
  private:
   struct LevelData {
+    LevelWeights weights;
     FieldBuffer inverse;         ///< reciprocal pivots, samples per row
     FieldBuffer x, b, residual;  ///< residual: of the rows here, restricted in lambda
   };
 
-  void cycle(std::size_t level, const float* b, float* x);
+  void cycle(std::size_t level, const float* b, float* x, const std::vector<char>& silent, const Progress& progress);
+  /// Whether a silent chunk of the finest level has neighbours that are not.
+  bool touched(Index chunk, const std::vector<char>& silent) const;
 
   const SurfaceHierarchy& hierarchy_;
-  const ConstraintRows& constraints_;
-  const Progress& progress_;
+  const ConstraintRows* constraints_ = nullptr;
   std::vector<LevelData> data_;
+  std::vector<Index> chunkOf_;  ///< of each row of the finest level
 };
 
 }  // namespace stormfield

@@ -7,6 +7,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include "solver/chunk_loop.h"
 #include "solver/row_algebra.h"
 
 namespace stormfield {
@@ -26,7 +27,7 @@ std::size_t paddedSamples(Index samples) {
   return (static_cast<std::size_t>(samples) + 1) / 2 * 2;
 }
 
-/// One sample of some vertices to or from their rows. Functions of their own, because the compiler would otherwise make
+/// One sample of some vertices to their rows. A function of its own, because the compiler would otherwise make
 /// the samples the inner loop, and every access a page of its own.
 [[gnu::noinline]] void gatherSample(const Complex* slice, const std::vector<Index>& vertices, Complex* rows,
                                     std::size_t rowLength) {
@@ -34,17 +35,6 @@ std::size_t paddedSamples(Index samples) {
     *rows = slice[v];
     rows += rowLength;
   }
-}
-[[gnu::noinline]] void gatherSample(const Complex* slice, const Index* vertices, Index count, double factor,
-                                    float* rows, std::size_t rowLength) {
-  for (Index i = 0; i < count; ++i, rows += rowLength) {
-    rows[0] = static_cast<float>(factor * slice[vertices[i]].real());
-    rows[1] = static_cast<float>(factor * slice[vertices[i]].imag());
-  }
-}
-[[gnu::noinline]] void scatterSample(const Complex* rows, std::size_t rowLength, const Index* vertices, Index count,
-                                     Complex* slice) {
-  for (Index i = 0; i < count; ++i) slice[vertices[i]] = rows[i * rowLength];
 }
 
 }  // namespace
@@ -77,75 +67,63 @@ SpaceTimeResidual::SpaceTimeResidual(const SurfaceHierarchy& hierarchy, double l
   }
 }
 
-double SpaceTimeResidual::evaluate(const ConstraintRows& constraints, const std::vector<char>& active, const Field& x,
-                                   Complex* field, float* residual, double residualScale,
-                                   const Progress& progress) const {
-  const SurfaceMatrix& matrix = hierarchy_.matrix;
-  const LambdaGrid& lambda = hierarchy_.levels.front().lambda;
-  const Index samples = lambda.samples();
-  const std::size_t stride = lambda.stride();
-  const std::size_t padded = paddedSamples(samples);
-  const std::size_t vertices = rowOf_.size();
-  const SweepOrder& sweep = hierarchy_.finest;
-  std::vector<double> squares(sweep.chunks(), 0.0);
-  tbb::enumerable_thread_specific<Scratch> scratches;
+double SpaceTimeResidual::rightSide(const ConstraintRows& constraints, const Progress& progress) const {
+  double sum = 0.0;
+  if (constraints.anyHard) {
+    for (const double square : evaluate(constraints, nullptr, nullptr, 1.0, progress)) sum += square;
+    return std::sqrt(sum);
+  }
+  for (Index row = 0; row < hierarchy_.matrix.rows(); ++row) {
+    for (const auto* e = constraints.begin(row); e != constraints.end(row); ++e) sum += std::norm(e->pull);
+  }
+  return std::sqrt(sum);
+}
 
-  tbb::parallel_for(Index{0}, sweep.chunks(), [&](Index chunk) {
-    progress.check();
+std::vector<double> SpaceTimeResidual::evaluate(const ConstraintRows& constraints, const Complex* field,
+                                                float* residual, double scale, const Progress& progress) const {
+  const SurfaceMatrix& matrix = hierarchy_.matrix;
+  const SurfaceLevel& level = hierarchy_.levels.front();
+  const Index samples = level.lambda.samples();
+  const std::size_t stride = level.lambda.stride();
+  const std::size_t padded = paddedSamples(samples);
+  tbb::enumerable_thread_specific<Scratch> scratches;
+  std::vector<double> squares(level.sweep.chunks(), 0.0);
+  forAllChunks(level, progress, [&](Index chunk) {
     Scratch& scratch = scratches.local();
-    const Index first = sweep.chunkStart[chunk];
-    const Index own = sweep.chunkStart[chunk + 1] - first;
+    const Index first = level.sweep.chunkStart[chunk];
     const std::vector<Index> local = localRows(chunk);
     scratch.x.assign(local.size() * padded, Complex{});
-    bool zero = !x.base && !x.correction;
-
-    if (x.base) {
+    if (field) {
       std::vector<Index> from;
       for (const Index row : local) from.push_back(vertex_[row]);
-      for (Index j = 0; j < samples; ++j) gatherSample(x.base + j * vertices, from, scratch.x.data() + j, padded);
+      for (Index j = 0; j < samples; ++j) {
+        gatherSample(field + j * rowOf_.size(), from, scratch.x.data() + j, padded);
+      }
     }
     for (std::size_t i = 0; i < local.size(); ++i) {
-      const Index row = local[i];
-      Complex* line = scratch.x.data() + i * padded;
-      if (!active[row]) std::fill(line, line + samples, Complex{});
-      if (x.correction && active[row]) {
-        const float* add = x.correction + row * stride;
-        for (Index j = 0; j < samples; ++j) line[j] += x.scale * Complex(add[2 * j], add[2 * j + 1]);
-      }
-      if (!constraints.anyHard) continue;
-      for (const auto* e = constraints.begin(row); e != constraints.end(row); ++e) {
-        if (!e->hard()) continue;
-        line[e->sample] = e->pull;
-        zero = false;
-      }
-    }
-    if (field) {
-      for (Index j = 0; j < samples; ++j) {
-        scatterSample(scratch.x.data() + j, padded, vertex_.data() + first, own, field + j * vertices);
+      for (const auto* e = constraints.begin(local[i]); e != constraints.end(local[i]); ++e) {
+        if (e->hard()) scratch.x[i * padded + e->sample] = e->pull;
       }
     }
 
     scratch.residual.resize(2 * padded);
     double* r = scratch.residual.data();
     const double* values = reinterpret_cast<const double*>(scratch.x.data());
-    for (Index i = 0; i < own; ++i) {
-      const Index row = first + i;
-      const double* v = values + i * 2 * padded;
+    for (Index row = first; row < level.sweep.chunkStart[chunk + 1]; ++row) {
+      const double* v = values + (row - first) * 2 * padded;
       std::fill(scratch.residual.begin(), scratch.residual.end(), 0.0);
-      if (!zero && active[row]) {
-        scratch.couplings.clear();
-        for (std::size_t e = matrix.start[row]; e < matrix.start[row + 1]; ++e) {
-          scratch.couplings.push_back({localColumn_[e], matrix.value[e].real(), matrix.value[e].imag()});
-        }
-        const double diagonal = matrix.diagonal[row];
-        kernels::gatherRow(scratch.couplings.data(), scratch.couplings.data() + scratch.couplings.size(), values,
-                           2 * padded, [&](std::size_t k, const kernels::VectorOf<double>& sum) {
-                             kernels::store(r + k, -sum - diagonal * kernels::load(v + k));
-                           });
-        const double k = lambdaCoupling_ * matrix.mass[row];
-        for (Index t = 0; t < 2 * samples - 2; ++t) r[t] += k * (v[t + 2] - v[t]);
-        for (Index t = 2; t < 2 * samples; ++t) r[t] += k * (v[t - 2] - v[t]);
+      scratch.couplings.clear();
+      for (std::size_t e = matrix.start[row]; e < matrix.start[row + 1]; ++e) {
+        scratch.couplings.push_back({localColumn_[e], matrix.value[e].real(), matrix.value[e].imag()});
       }
+      const double diagonal = matrix.diagonal[row];
+      kernels::gatherRow<16>(scratch.couplings.data(), scratch.couplings.data() + scratch.couplings.size(), values,
+                             2 * padded, [&](std::size_t k, const kernels::VectorOf<16, double>& sum) {
+                               kernels::store(r + k, -sum - diagonal * kernels::load(v + k));
+                             });
+      const double k = lambdaCoupling_ * matrix.mass[row];
+      for (Index t = 0; t < 2 * samples - 2; ++t) r[t] += k * (v[t + 2] - v[t]);
+      for (Index t = 2; t < 2 * samples; ++t) r[t] += k * (v[t - 2] - v[t]);
       for (const auto* e = constraints.begin(row); e != constraints.end(row); ++e) {
         const Index t = 2 * e->sample;
         r[t] = e->hard() ? 0.0 : r[t] + e->pull.real() - e->weight * v[t];
@@ -154,13 +132,13 @@ double SpaceTimeResidual::evaluate(const ConstraintRows& constraints, const std:
       squares[chunk] += kernels::dotRow(r, r, 2 * padded);
       if (residual) {
         float* out = residual + row * stride;
-        const double factor = 1.0 / residualScale;
+        const double factor = 1.0 / scale;
         for (Index t = 0; t < 2 * samples; ++t) out[t] = static_cast<float>(factor * r[t]);
         std::fill(out + 2 * samples, out + stride, 0.0f);
       }
     }
   });
-  return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0));
+  return squares;
 }
 
 std::vector<Index> SpaceTimeResidual::localRows(Index chunk) const {
@@ -171,32 +149,60 @@ std::vector<Index> SpaceTimeResidual::localRows(Index chunk) const {
   return rows;
 }
 
-void SpaceTimeResidual::toRows(const Complex* field, double scale, float* correction, const Progress& progress) const {
-  const LambdaGrid& lambda = hierarchy_.levels.front().lambda;
-  const std::size_t stride = lambda.stride();
-  tbb::parallel_for(Index{0}, hierarchy_.finest.chunks(), [&](Index chunk) {
+/// Calls body(first row, last row, first sample, samples) for blocks whose vertices and samples stay in the caches.
+template <typename Body>
+void SpaceTimeResidual::forBlocks(const Progress& progress, const Body& body) const {
+  constexpr Index kRows = 1 << 15, kSamples = 10;
+  const Index rows = hierarchy_.matrix.rows();
+  const Index rowBlocks = (rows + kRows - 1) / kRows, sampleBlocks = (samples() + kSamples - 1) / kSamples;
+  tbb::parallel_for(Index{0}, rowBlocks * sampleBlocks, [&](Index block) {
     progress.check();
-    const Index first = hierarchy_.finest.chunkStart[chunk];
-    const Index last = hierarchy_.finest.chunkStart[chunk + 1];
-    std::fill(correction + first * stride, correction + last * stride, 0.0f);
-    for (Index j = 0; j < lambda.samples(); ++j) {
-      gatherSample(field + static_cast<std::size_t>(j) * rowOf_.size(), vertex_.data() + first, last - first,
-                   1.0 / scale, correction + first * stride + 2 * j, stride);
+    const Index row = block / sampleBlocks * kRows, j = block % sampleBlocks * kSamples;
+    body(row, std::min(rows, row + kRows), j, std::min(kSamples, samples() - j));
+  });
+}
+
+void SpaceTimeResidual::toRows(const Complex* field, double scale, float* rows, const Progress& progress) const {
+  const double factor = 1.0 / scale;
+  forBlocks(progress, [&](Index first, Index last, Index j, Index count) {
+    const Complex* slices = field + static_cast<std::size_t>(j) * rowOf_.size();
+    for (Index row = first; row < last; ++row) {
+      float* out = rows + row * stride() + 2 * j;
+      const Complex* in = slices + vertex_[row];
+      for (Index t = 0; t < count; ++t, in += rowOf_.size()) {
+        out[2 * t] = static_cast<float>(factor * in->real());
+        out[2 * t + 1] = static_cast<float>(factor * in->imag());
+      }
+      if (j + count == samples()) std::fill(out + 2 * count, rows + (row + 1) * stride(), 0.0f);
     }
   });
 }
 
-void SpaceTimeResidual::add(const float* correction, double scale, Complex* base, const Progress& progress) const {
-  const LambdaGrid& lambda = hierarchy_.levels.front().lambda;
-  const std::size_t stride = lambda.stride();
-  tbb::parallel_for(Index{0}, hierarchy_.finest.chunks(), [&](Index chunk) {
-    progress.check();
-    for (Index j = 0; j < lambda.samples(); ++j) {
-      Complex* slice = base + static_cast<std::size_t>(j) * rowOf_.size();
-      for (Index row = hierarchy_.finest.chunkStart[chunk]; row < hierarchy_.finest.chunkStart[chunk + 1]; ++row) {
-        const float* value = correction + row * stride + 2 * j;
-        slice[vertex_[row]] += scale * Complex(value[0], value[1]);
-      }
+void SpaceTimeResidual::toField(const ConstraintRows& constraints, const float* rows, double scale, Complex* field,
+                                const Progress& progress) const {
+  forBlocks(progress, [&](Index first, Index last, Index j, Index count) {
+    Complex* slices = field + static_cast<std::size_t>(j) * rowOf_.size();
+    for (Index row = first; row < last; ++row) {
+      const float* in = rows + row * stride() + 2 * j;
+      Complex* out = slices + vertex_[row];
+      for (Index t = 0; t < count; ++t, out += rowOf_.size()) *out = scale * Complex(in[2 * t], in[2 * t + 1]);
+    }
+  });
+  if (!constraints.anyHard) return;
+  for (Index row = 0; row < hierarchy_.matrix.rows(); ++row) {
+    for (const auto* e = constraints.begin(row); e != constraints.end(row); ++e) {
+      if (e->hard()) field[e->sample * rowOf_.size() + vertex_[row]] = e->pull;
+    }
+  }
+}
+
+void SpaceTimeResidual::add(const float* rows, double scale, Complex* field, const Progress& progress) const {
+  forBlocks(progress, [&](Index first, Index last, Index j, Index count) {
+    Complex* slices = field + static_cast<std::size_t>(j) * rowOf_.size();
+    for (Index row = first; row < last; ++row) {
+      const float* in = rows + row * stride() + 2 * j;
+      Complex* out = slices + vertex_[row];
+      for (Index t = 0; t < count; ++t, out += rowOf_.size()) *out += scale * Complex(in[2 * t], in[2 * t + 1]);
     }
   });
 }

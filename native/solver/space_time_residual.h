@@ -1,38 +1,44 @@
-// The residual of the space-time system in double precision, and the change between the two layouts of a field: the
-// caller's [sample][vertex] in double precision, and the solver's [row][sample] in single precision.
+// The space-time system in double precision: its right-hand side, the residual of a field, and the change between the
+// two layouts of a field: the caller's [sample][vertex] in double precision, and the solver's [row][sample] in single
+// precision, divided by a scale.
 #pragma once
 
+#include "base/progress.h"
 #include "solver/constraint_rows.h"
 
 namespace stormfield {
 
 class SpaceTimeResidual {
  public:
-  /// vertex: mesh vertex of each row; active: 0 for rows of components without constraint, which stay zero.
+  /// vertex: mesh vertex of each row.
   SpaceTimeResidual(const SurfaceHierarchy& hierarchy, double lambdaCoupling, std::vector<Index> vertex,
                     Index meshVertices);
 
   const std::vector<Index>& rowOf() const { return rowOf_; }
   const std::vector<Index>& vertexOf() const { return vertex_; }
 
-  struct Field {
-    const Complex* base = nullptr;      ///< [sample][vertex], zero when null
-    const float* correction = nullptr;  ///< [row][sample], zero when null
-    double scale = 1.0;                 ///< of the correction
-  };
-  /// Length of b - A x for x = base + scale * correction, with hard values put in their places and zero in rows that
-  /// are not active. Writes x (field, [sample][vertex], not the array that is read) and the residual divided by
-  /// residualScale (rows, [row][sample]) where these are given.
-  double evaluate(const ConstraintRows& constraints, const std::vector<char>& active, const Field& x, Complex* field,
-                  float* residual, double residualScale, const Progress& progress) const;
-  /// correction = field / scale, rounded to single precision.
-  void toRows(const Complex* field, double scale, float* correction, const Progress& progress) const;
-  /// base += scale * correction in place.
-  void add(const float* correction, double scale, Complex* base, const Progress& progress) const;
+  /// Length of the right-hand side: of b - A x where x holds the hard values and zeros.
+  double rightSide(const ConstraintRows& constraints, const Progress& progress) const;
+  /// b - A x for the field x (zeros where null), in which the hard values are in their places: its squared length per
+  /// chunk. residual gets it in rows, divided by scale.
+  std::vector<double> evaluate(const ConstraintRows& constraints, const Complex* field, float* residual, double scale,
+                               const Progress& progress) const;
+
+  /// rows = field / scale, rounded.
+  void toRows(const Complex* field, double scale, float* rows, const Progress& progress) const;
+  /// field = scale * rows, with the exact hard values; vertices without a row keep theirs.
+  void toField(const ConstraintRows& constraints, const float* rows, double scale, Complex* field,
+               const Progress& progress) const;
+  /// field += scale * rows.
+  void add(const float* rows, double scale, Complex* field, const Progress& progress) const;
 
  private:
   /// Rows of the chunk, then those outside that they are coupled to.
   std::vector<Index> localRows(Index chunk) const;
+  Index samples() const { return hierarchy_.levels.front().lambda.samples(); }
+  std::size_t stride() const { return hierarchy_.levels.front().lambda.stride(); }
+  template <typename Body>
+  void forBlocks(const Progress& progress, const Body& body) const;
 
   const SurfaceHierarchy& hierarchy_;
   double lambdaCoupling_;

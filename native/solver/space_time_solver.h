@@ -32,8 +32,9 @@
 //
 //   SpaceTimeSolver solver(charts);
 //   Progress progress;
-//   SpaceTimeResult first = solver.solve(constraints, progress);
-//   SpaceTimeResult again = solver.solve(movedConstraints, progress, &first.field);
+//   SpaceTimeState state;
+//   SpaceTimeResult first = solver.solve(constraints, progress, state);
+//   SpaceTimeResult again = solver.solve(movedConstraints, progress, state);
 #pragma once
 
 #include <memory>
@@ -49,14 +50,31 @@ struct SpaceTimeOptions {
   double lambdaWeight = 10;  ///< omega of thesis eq. 11.3 at the thesis's setting
   double tolerance = 1e-4;   ///< of the true residual, relative to the right-hand side
   int maxIterations = 200;   ///< of the Krylov method
+
+  bool operator==(const SpaceTimeOptions&) const = default;
 };
 
 struct SpaceTimeResult {
   ParameterizedField field;
   int iterations = 0;
-  double residual = 0.0;  ///< true relative residual, in double precision
+  double residual = 0.0;  ///< true relative residual of the field: taken anew, not carried along
   /// Components of the mesh without any constraint: their field is zero.
   std::vector<Index> componentsWithoutConstraint;
+};
+
+/// What a solve leaves for the next one of the same solver: its solution, the factors of its lines, and its memory. An
+/// empty one starts from zero. After an exception it may be used again.
+class SpaceTimeState {
+ public:
+  SpaceTimeState();
+  ~SpaceTimeState();
+  SpaceTimeState(SpaceTimeState&&) noexcept;
+  SpaceTimeState& operator=(SpaceTimeState&&) noexcept;
+
+ private:
+  friend class SpaceTimeSolver;
+  struct Data;
+  std::unique_ptr<Data> data_;
 };
 
 class SpaceTimeSolver {
@@ -64,22 +82,26 @@ class SpaceTimeSolver {
   /// Builds the hierarchy, which all solves share. Throws InputError for options out of range.
   explicit SpaceTimeSolver(std::shared_ptr<const VertexCharts> charts, SpaceTimeOptions options = {},
                            const Progress& progress = Progress());
-  ~SpaceTimeSolver();
-  SpaceTimeSolver(SpaceTimeSolver&&) noexcept;
 
-  /// warmStart: a field with as many samples and vertices, best one on the same mesh; only the change is solved for.
-  SpaceTimeResult solve(const ConstraintSet& constraints, Progress& progress,
-                        const ParameterizedField* warmStart = nullptr) const;
+  SpaceTimeResult solve(const ConstraintSet& constraints, Progress& progress) const;
+  /// Starts from the solution in the state and leaves its own there: after an edit only the change is solved for.
+  SpaceTimeResult solve(const ConstraintSet& constraints, Progress& progress, SpaceTimeState& state) const;
+
+  /// A state whose solution is this field, rounded to single precision. Throws InputError unless it has as many samples
+  /// and vertices as the solver, all finite.
+  SpaceTimeState startFrom(const ParameterizedField& field) const;
 
   const SpaceTimeOptions& options() const { return options_; }
   /// k_i / (A_i / A) above.
   static double lambdaCoupling(const SpaceTimeOptions& options);
 
  private:
+  friend class SpaceTimeState;
   struct System;
+  class Solve;
   std::shared_ptr<const VertexCharts> charts_;
   SpaceTimeOptions options_;
-  std::unique_ptr<System> system_;
+  std::shared_ptr<const System> system_;
 };
 
 }  // namespace stormfield

@@ -14,6 +14,7 @@ from stormfield.model.design import Design, Element, SolveSettings
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
 from stormfield.readers.icosphere import icosphere
+from stormfield.solve import SolverMemory
 from test_cache import contents
 
 DESIGN = Design(
@@ -119,6 +120,33 @@ def test_a_solve_stopped_while_the_core_works_leaves_no_samples(mesh, tmp_path):
 def test_fractions_never_go_back(mesh, tmp_path):
     fractions = [step.fraction for step in job.solve_steps(mesh, DESIGN, tmp_path)]
     assert fractions == sorted(fractions) and fractions[-1] == 1.0
+
+
+def moved(step: int) -> Design:
+    """DESIGN as it is after some edits."""
+    elements = tuple(replace(element, radius=element.radius + 0.02 * step) for element in DESIGN.elements)
+    return replace(DESIGN, elements=elements)
+
+
+def test_edited_caches_have_folders_of_their_own_and_are_solved_from_zero_before_a_bake(mesh, task, tmp_path):
+    memory = SolverMemory()
+    first = job.run(job.solve_steps(mesh, moved(0), tmp_path, memory=memory))
+    edited = job.run(job.solve_steps(mesh, moved(1), tmp_path, memory=memory))
+    other = job.run(job.solve_steps(mesh, moved(1), tmp_path))
+    assert not job.is_edited(first) and job.is_edited(edited) and not job.is_edited(other)
+    assert edited != other
+    # What is solved from zero is there now, and is taken instead.
+    assert job.run(job.solve_steps(mesh, moved(1), tmp_path, memory=memory)) == other
+    one, two = (open_cache(folder).values("sf_orientation") for folder in (edited, other))
+    # Both within the tolerance, which speaks of the residual: values far from the elements may differ by more.
+    np.testing.assert_allclose(one, two, atol=0.1 * np.abs(two).max())
+    results = [
+        job.run(job.bake_steps(replace(task, cache=folder, root=tmp_path / name, targets=frozenset({"exr"}))))
+        for folder, name in ((edited, "a"), (other, "b"))
+    ]
+    assert [result.cache for result in results] == [other, other]
+    files = [sorted((result.folders["exr"] / "frames").iterdir()) for result in results]
+    assert [path.read_bytes() for path in files[0]] == [path.read_bytes() for path in files[1]]
 
 
 # Targets --------------------------------------------------------------------------------------------------------------

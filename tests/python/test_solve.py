@@ -1,6 +1,7 @@
 """From a design to fields: the job, its faults, and what the storms do in the solved samples."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from stormfield import native
 from stormfield.model.design import Design, Element, SolveSettings
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
-from stormfield.solve import start_solve
+from stormfield.solve import SolverMemory, start_solve
 
 
 def sphere(level: int) -> MeshData:
@@ -101,18 +102,40 @@ def test_a_field_without_elements_is_the_other():
     assert solution.fields["advection"] is solution.fields["orientation"]
 
 
-def test_warm_start_needs_fewer_iterations():
-    mesh, design = sphere(4), merge(tolerance=1e-6)
-    cold = start_solve(mesh, design).result()
-    warm = start_solve(mesh, design, cold).result()
+def test_a_solver_in_memory_needs_fewer_iterations():
+    mesh, design, memory = sphere(4), merge(tolerance=1e-6), SolverMemory()
+    assert not memory.holds(mesh)
+    cold = start_solve(mesh, design, memory).result()
+    assert memory.holds(mesh) and not memory.holds(sphere(3))
+    warm = start_solve(mesh, design, memory).result()
     assert warm.iterations["orientation"] < cold.iterations["orientation"]
     np.testing.assert_allclose(warm.fields["orientation"].values, cold.fields["orientation"].values, atol=1e-4)
+    memory.clear()
+    anew = start_solve(mesh, design, memory).result()
+    np.testing.assert_array_equal(anew.fields["orientation"].values, cold.fields["orientation"].values)
 
 
-def test_warm_start_of_another_mesh_or_sampling_is_passed_over():
-    other = start_solve(sphere(3), merge()).result()
-    start_solve(sphere(4), merge(), other).result()
-    start_solve(sphere(3), merge(samples=10), other).result()
+def test_memory_follows_to_another_mesh_sampling_and_number_of_fields():
+    memory = SolverMemory()
+    for mesh, design in ((sphere(3), merge()), (sphere(4), merge()), (sphere(4), merge(samples=10))):
+        result = start_solve(mesh, design, memory).result()
+        assert result.fields["advection"].values.shape == (len(result.lambdas), len(mesh.vertices))
+    eye = Element("eye", "singular", (on(0, 0),), kind="source", field="orientation")
+    two = replace(design, elements=(*design.elements, eye))
+    result = start_solve(mesh, two, memory).result()
+    cold = start_solve(mesh, two).result()
+    for name in ("orientation", "advection"):
+        np.testing.assert_allclose(result.fields[name].values, cold.fields[name].values, atol=2e-3)
+
+
+def test_a_stopped_solve_leaves_a_memory_to_go_on_with():
+    mesh, memory = sphere(4), SolverMemory()
+    start_solve(mesh, merge(), memory).result()
+    stopped = start_solve(mesh, merge(tolerance=1e-9), memory)
+    stopped.cancel()
+    with pytest.raises(native.Cancelled):
+        stopped.result()
+    start_solve(mesh, merge(), memory).result()
 
 
 def test_even_speed_keeps_the_flow_far_from_the_elements():

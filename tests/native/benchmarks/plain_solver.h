@@ -50,25 +50,11 @@ class PlainSolver {
 
   /// y = A x.
   void sweep(const std::vector<Single>& x, std::vector<Single>& y) const {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, spatial_.size(), 64), [&](const auto& range) {
-      for (std::size_t v = range.begin(); v != range.end(); ++v) {
-        const Single* own = x.data() + v * samples_;
-        Single* out = y.data() + v * samples_;
-        const float* weight = weight_.data() + v * samples_;
-        const float k = coupling_[v];
-        const float diagonal = spatial_[v] + 2.0f * k;
-        for (Index j = 0; j < samples_; ++j) out[j] = (diagonal + weight[j]) * own[j];
-        for (Index j = 1; j < samples_; ++j) out[j] -= k * own[j - 1];
-        for (Index j = 0; j + 1 < samples_; ++j) out[j] -= k * own[j + 1];
-        out[0] -= k * own[0];
-        out[samples_ - 1] -= k * own[samples_ - 1];
-        for (std::size_t e = start_[v]; e < start_[v + 1]; ++e) {
-          const Single a = value_[e];
-          const Single* other = x.data() + static_cast<std::size_t>(column_[e]) * samples_;
-          for (Index j = 0; j < samples_; ++j) out[j] += a * other[j];
-        }
-      }
-    });
+    forRows([&](std::size_t v) { sweepRow(v, x.data(), y.data()); });
+  }
+  /// The same compiled for processors with AVX2.
+  void wideSweep(const std::vector<Single>& x, std::vector<Single>& y) const {
+    forRows([&](std::size_t v) { wideSweepRow(v, x.data(), y.data()); });
   }
 
   /// Conjugate gradients from zero to the relative residual; returns the number of iterations.
@@ -98,6 +84,33 @@ class PlainSolver {
   }
 
  private:
+  [[gnu::always_inline]] void sweepRow(std::size_t v, const Single* x, Single* y) const {
+    const Single* own = x + v * samples_;
+    Single* out = y + v * samples_;
+    const float* weight = weight_.data() + v * samples_;
+    const float k = coupling_[v];
+    const float diagonal = spatial_[v] + 2.0f * k;
+    for (Index j = 0; j < samples_; ++j) out[j] = (diagonal + weight[j]) * own[j];
+    for (Index j = 1; j < samples_; ++j) out[j] -= k * own[j - 1];
+    for (Index j = 0; j + 1 < samples_; ++j) out[j] -= k * own[j + 1];
+    out[0] -= k * own[0];
+    out[samples_ - 1] -= k * own[samples_ - 1];
+    for (std::size_t e = start_[v]; e < start_[v + 1]; ++e) {
+      const Single a = value_[e];
+      const Single* other = x + static_cast<std::size_t>(column_[e]) * samples_;
+      for (Index j = 0; j < samples_; ++j) out[j] += a * other[j];
+    }
+  }
+  [[gnu::target_clones("avx2", "default")]] void wideSweepRow(std::size_t v, const Single* x, Single* y) const {
+    sweepRow(v, x, y);
+  }
+
+  template <typename Body>
+  void forRows(const Body& body) const {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, spatial_.size(), 64), [&](const auto& range) {
+      for (std::size_t v = range.begin(); v != range.end(); ++v) body(v);
+    });
+  }
   template <typename Body>
   void forAll(const Body& body) const {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, size(), 1 << 14), [&](const auto& range) {

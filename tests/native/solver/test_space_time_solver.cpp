@@ -264,16 +264,75 @@ TEST(SpaceTimeSolver, WarmStartReachesTheSameFieldInFewerSteps) {
   storms::StormOptions storm;
   storm.samples = 40;
   Progress progress;
-  const SpaceTimeResult before = solver.solve(storms::storms(*sphere, storm), progress);
-  const SpaceTimeResult same = solver.solve(storms::storms(*sphere, storm), progress, &before.field);
-  EXPECT_EQ(same.iterations, 0);
-  EXPECT_EQ(same.field.values, before.field.values);
+  SpaceTimeState kept;
+  const SpaceTimeResult before = solver.solve(storms::storms(*sphere, storm), progress, kept);
+  SpaceTimeState fromField = solver.startFrom(before.field);
+  for (SpaceTimeState* state : {&kept, &fromField}) {
+    const SpaceTimeResult same = solver.solve(storms::storms(*sphere, storm), progress, *state);
+    EXPECT_EQ(same.iterations, 0);
+    EXPECT_EQ(same.field.values, before.field.values);
+  }
   storm.shift = 0.05;
   const SpaceTimeResult cold = solver.solve(storms::storms(*sphere, storm), progress);
-  const SpaceTimeResult warm = solver.solve(storms::storms(*sphere, storm), progress, &before.field);
-  EXPECT_LT(warm.iterations, cold.iterations);
-  EXPECT_LE(warm.residual, options.tolerance);
-  EXPECT_LT(difference(warm.field.values, cold.field.values), 2e-3);
+  for (SpaceTimeState* state : {&kept, &fromField}) {
+    const SpaceTimeResult warm = solver.solve(storms::storms(*sphere, storm), progress, *state);
+    EXPECT_LT(warm.iterations, cold.iterations);
+    EXPECT_LE(warm.residual, options.tolerance);
+    EXPECT_LT(difference(warm.field.values, cold.field.values), 2e-3);
+  }
+}
+
+TEST(SpaceTimeSolver, EditsOfAnyKindAgreeWithADirectSolve) {
+  // One state through edits that add, move and drop soft and hard constraints and whole components, at a tolerance
+  // where the field must be right, and at one where single precision alone must tell the truth about its residual.
+  const auto first = surfaces::sphere(3);
+  const ChartsPointer charts = together({first, annulus(12, 3)});
+  const Index all = charts->mesh().vertexCount() - 1, some = first->mesh().vertexCount();
+  std::vector<ConstraintSet> edits;
+  for (const auto& [soft, hard, seed, vertices] : {std::tuple{true, false, 1u, all},
+                                                   {true, false, 2u, all},
+                                                   {true, true, 2u, all},
+                                                   {false, true, 3u, some},
+                                                   {false, true, 3u, all},
+                                                   {true, false, 4u, some},
+                                                   {true, false, 4u, all}}) {
+    edits.push_back(randomConstraints(*charts, 9, soft, hard, seed, vertices));
+  }
+  // The same again a thousand times longer, and then a thousandth.
+  for (const double factor : {1e9, 1e-9}) {
+    ConstraintSet scaled = edits.back();
+    for (Complex& value : scaled.value) value *= factor;
+    edits.push_back(scaled);
+  }
+  for (const double tolerance : {1e-11, 1e-4}) {
+    const SpaceTimeOptions options{.samples = 9, .tolerance = tolerance};
+    const SpaceTimeSolver solver(charts, options);
+    SpaceTimeState state;
+    Progress progress;
+    for (std::size_t k = 0; k < edits.size(); ++k) {
+      SCOPED_TRACE(k);
+      const SpaceTimeResult result = solver.solve(edits[k], progress, state);
+      EXPECT_LE(result.residual, tolerance);
+      const std::vector<Complex> expected = directSolution(*charts, options, edits[k]);
+      EXPECT_LT(difference(result.field.values, expected), 1000 * tolerance);
+    }
+  }
+}
+
+TEST(SpaceTimeSolver, StateOutlivesACancelledSolveAndKnowsItsSolver) {
+  const ChartsPointer sphere = surfaces::sphere(8);
+  const SpaceTimeSolver solver(sphere, {.samples = 20});
+  const ConstraintSet before = storms::storms(*sphere, {.samples = 20});
+  const ConstraintSet after = storms::storms(*sphere, {.samples = 20, .shift = 0.1});
+  Progress progress, cancelled;
+  cancelled.cancel();
+  SpaceTimeState state;
+  solver.solve(before, progress, state);
+  EXPECT_THROW(solver.solve(after, cancelled, state), Cancelled);
+  const SpaceTimeResult result = solver.solve(after, progress, state);
+  EXPECT_LE(result.residual, 1e-4);
+  EXPECT_LT(difference(result.field.values, solver.solve(after, progress).field.values), 2e-3);
+  EXPECT_THROW(SpaceTimeSolver(sphere, {.samples = 20}).solve(after, progress, state), InputError);
 }
 
 TEST(SpaceTimeSolver, LeavesComponentsWithoutConstraintAtZero) {
@@ -289,9 +348,9 @@ TEST(SpaceTimeSolver, LeavesComponentsWithoutConstraintAtZero) {
   ParameterizedField start{charts, {}, std::vector<Complex>(9 * charts->mesh().vertexCount(), Complex(1, 2))};
   for (int j = 0; j < 9; ++j) start.lambdas.push_back(j / 8.0);
   const SpaceTimeSolver solver(charts, options);
-  for (const ParameterizedField* warm :
-       {static_cast<const ParameterizedField*>(nullptr), static_cast<const ParameterizedField*>(&start)}) {
-    const SpaceTimeResult result = solver.solve(constraints, progress, warm);
+  SpaceTimeState cold, warm = solver.startFrom(start);
+  for (SpaceTimeState* state : {&cold, &warm}) {
+    const SpaceTimeResult result = solver.solve(constraints, progress, *state);
     EXPECT_EQ(result.componentsWithoutConstraint, (std::vector<Index>{0, 2}));
     for (Index j = 0; j < 9; ++j) {
       for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
@@ -400,7 +459,10 @@ TEST(SpaceTimeSolver, RefusesOptionsAndStartsThatDoNotFit) {
   constraints.add(0, 0, 1.0, 1.0, 0);
   Progress progress;
   const ParameterizedField wrong{cube, {0.0, 1.0}, std::vector<Complex>(16)};
-  EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 3}).solve(constraints, progress, &wrong), InputError);
+  EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 3}).startFrom(wrong), InputError);
+  ParameterizedField broken = SpaceTimeSolver(cube, {.samples = 3}).solve(constraints, progress).field;
+  broken.values[5] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 3}).startFrom(broken), InputError);
   SpaceTimeOptions hopeless{.samples = 100, .tolerance = 1e-17};
   EXPECT_THROW(SpaceTimeSolver(surfaces::sphere(5), hopeless).solve(constraints, progress), SolverError);
 }

@@ -1,0 +1,95 @@
+// The inner loop of the solver: sums of rotated neighbour rows, over rows of complex values contiguous in lambda.
+// Templates on the width of a vector register alone, so that one of them may be compiled for newer processors
+// (row_sums.h).
+#pragma once
+
+#include <cstddef>
+
+#include "base/types.h"
+
+namespace stormfield::kernels {
+
+/// A vector of so many bytes. InMemory is the same anywhere in an array. Vectors are never passed by value.
+template <int Bytes, typename Real>
+struct Register;
+template <>
+struct Register<16, float> {
+  using Type = float __attribute__((vector_size(16)));
+  using InMemory = float __attribute__((vector_size(16), aligned(4), may_alias));
+};
+template <>
+struct Register<32, float> {
+  using Type = float __attribute__((vector_size(32)));
+  using InMemory = float __attribute__((vector_size(32), aligned(4), may_alias));
+};
+template <>
+struct Register<16, double> {
+  using Type = double __attribute__((vector_size(16)));
+  using InMemory = double __attribute__((vector_size(16), aligned(8), may_alias));
+};
+template <int Bytes, typename Real>
+using VectorOf = typename Register<Bytes, Real>::Type;
+
+template <int Bytes, typename Real>
+inline const typename Register<Bytes, Real>::InMemory& loadVector(const Real* p) {
+  return *reinterpret_cast<const typename Register<Bytes, Real>::InMemory*>(p);
+}
+template <int Bytes, typename Real>
+inline void storeVector(Real* p, const VectorOf<Bytes, Real>& v) {
+  *reinterpret_cast<typename Register<Bytes, Real>::InMemory*>(p) = v;
+}
+
+/// One coupling of a row: the neighbour and the matrix entry.
+template <typename Real>
+struct CouplingOf {
+  Index column;
+  Real re, im;
+};
+using Coupling = CouplingOf<float>;
+
+/// v += i w for rows of complex values.
+template <int Bytes, typename Real>
+inline void addTimesI(VectorOf<Bytes, Real>& v, const VectorOf<Bytes, Real>& w) {
+  if constexpr (Bytes / sizeof(Real) == 2) {
+    v += VectorOf<Bytes, Real>{-1, 1} * __builtin_shufflevector(w, w, 1, 0);
+  } else if constexpr (Bytes / sizeof(Real) == 4) {
+    v += VectorOf<Bytes, Real>{-1, 1, -1, 1} * __builtin_shufflevector(w, w, 1, 0, 3, 2);
+  } else {
+    v += VectorOf<Bytes, Real>{-1, 1, -1, 1, -1, 1, -1, 1} * __builtin_shufflevector(w, w, 1, 0, 3, 2, 5, 4, 7, 6);
+  }
+}
+
+/// Calls finish(offset, sum over the couplings of entry times neighbour row) for Width vectors from offset k. The two
+/// parts of each entry are summed apart, so that the inner loop needs no shuffles.
+template <int Bytes, int Width, typename Real, typename Finish>
+inline void gatherBlock(const CouplingOf<Real>* first, const CouplingOf<Real>* last, const Real* x, std::size_t stride,
+                        std::size_t k, const Finish& finish) {
+  constexpr std::size_t kLanes = Bytes / sizeof(Real);
+  VectorOf<Bytes, Real> real[Width] = {};
+  VectorOf<Bytes, Real> imaginary[Width] = {};
+  for (const CouplingOf<Real>* c = first; c != last; ++c) {
+    const Real* row = x + static_cast<std::size_t>(c->column) * stride + k;
+    for (int w = 0; w < Width; ++w) {
+      const VectorOf<Bytes, Real> v = loadVector<Bytes>(row + kLanes * w);
+      real[w] += c->re * v;
+      imaginary[w] += c->im * v;
+    }
+  }
+  for (int w = 0; w < Width; ++w) {
+    addTimesI<Bytes, Real>(real[w], imaginary[w]);
+    finish(k + kLanes * w, real[w]);
+  }
+}
+
+/// The same for the whole row; stride is a multiple of 32 bytes.
+template <int Bytes, typename Real, typename Finish>
+inline void gatherRow(const CouplingOf<Real>* first, const CouplingOf<Real>* last, const Real* x, std::size_t stride,
+                      const Finish& finish) {
+  constexpr std::size_t kLanes = Bytes / sizeof(Real);
+  constexpr int kRest = 32 / Bytes;
+  std::size_t k = 0;
+  for (; k + 4 * kLanes <= stride; k += 4 * kLanes) gatherBlock<Bytes, 4>(first, last, x, stride, k, finish);
+  for (; k < stride; k += kRest * kLanes) gatherBlock<Bytes, kRest>(first, last, x, stride, k, finish);
+}
+
+}  // namespace stormfield::kernels

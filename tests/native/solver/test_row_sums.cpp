@@ -1,0 +1,47 @@
+#include "solver/row_sums.h"
+
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace stormfield::kernels {
+namespace {
+
+TEST(RowSums, GiveTheSameBitsOnAnyProcessor) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> normal;
+  for (const std::size_t stride : {8u, 24u, 40u, 200u}) {
+    std::vector<float> x(7 * stride), own(stride), mass(stride), b(stride);
+    for (auto* values : {&x, &own, &mass, &b}) {
+      for (float& value : *values) value = normal(random);
+    }
+    std::vector<Coupling> couplings;
+    for (const Index column : {0, 3, 4, 6, 2}) couplings.push_back({column, normal(random), normal(random)});
+    const Coupling* first = couplings.data();
+    const Coupling* last = first + couplings.size();
+    auto all = [&](const RowSums& sums) {
+      std::vector<std::vector<float>> results(5, own);
+      sums.sum(first, last, x.data(), stride, results[0].data());
+      sums.add(first, last, x.data(), stride, results[1].data());
+      sums.image(first, last, x.data(), stride, 1.7f, own.data(), results[2].data());
+      sums.residual(first, last, x.data(), stride, mass.data(), b.data(), results[3].data());
+      sums.residual(first, last, x.data(), stride, mass.data(), nullptr, results[4].data());
+      return results;
+    };
+    EXPECT_EQ(all(rowSums()), all(RowSumsOf<16>::table()));
+    const std::vector<float> sum = all(rowSums())[0];
+    for (std::size_t j = 0; j < stride; j += 2) {
+      std::complex<float> expected;
+      for (const Coupling& c : couplings) {
+        const float* other = x.data() + c.column * stride + j;
+        expected += std::complex<float>(c.re, c.im) * std::complex<float>(other[0], other[1]);
+      }
+      EXPECT_NEAR(sum[j], expected.real(), 1e-5f);
+      EXPECT_NEAR(sum[j + 1], expected.imag(), 1e-5f);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stormfield::kernels
