@@ -169,4 +169,20 @@ LogMap logMap(const VertexCharts& charts, const SurfacePoint& source, double rad
   return map;
 }
 
+std::shared_ptr<const LogMap> recentLogMap(const VertexCharts& charts, const SurfacePoint& source, double radius,
+                                           LogMapScratch& scratch) {
+  constexpr std::size_t kKept = 8;
+  std::vector<LogMapScratch::Recent>& recent = scratch.recent_;
+  const auto found = std::find_if(recent.begin(), recent.end(), [&](const LogMapScratch::Recent& r) {
+    return r.radius == radius && r.map->source.face == source.face && r.map->source.barycentric == source.barycentric;
+  });
+  if (found != recent.end()) {
+    std::rotate(recent.begin(), found, found + 1);
+  } else {
+    if (recent.size() == kKept) recent.pop_back();
+    recent.insert(recent.begin(), {radius, std::make_shared<const LogMap>(logMap(charts, source, radius, scratch))});
+  }
+  return recent.front().map;
+}
+
 }  // namespace stormfield

@@ -12,6 +12,7 @@
 // thin parts. Behind the cut locus each vertex keeps its shortest way.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "mesh/surface_point.h"
@@ -38,18 +39,29 @@ struct LogMap {
   double distance(const TriangleMesh& mesh, const SurfacePoint& p) const;
 };
 
-/// Arrays of one number per vertex that many maps share; one per thread.
+/// Arrays of one number per vertex that many maps share, and the last few maps: what stands still over many samples of
+/// lambda has one map. One per thread.
 class LogMapScratch {
  public:
   explicit LogMapScratch(const TriangleMesh& mesh);
 
  private:
+  struct Recent {
+    double radius = 0.0;
+    std::shared_ptr<const LogMap> map;
+  };
   friend LogMap logMap(const VertexCharts&, const SurfacePoint&, double, LogMapScratch&);
+  friend std::shared_ptr<const LogMap> recentLogMap(const VertexCharts&, const SurfacePoint&, double, LogMapScratch&);
   std::vector<LogMapEntry> state_;
   std::vector<char> finished_;
+  std::vector<Recent> recent_;  ///< the last one used first
 };
 
 /// All vertices closer than the radius, and always the corners of the source's face.
 LogMap logMap(const VertexCharts& charts, const SurfacePoint& source, double radius, LogMapScratch& scratch);
+
+/// The same, from the last few maps of the scratch where it is among them.
+std::shared_ptr<const LogMap> recentLogMap(const VertexCharts& charts, const SurfacePoint& source, double radius,
+                                           LogMapScratch& scratch);
 
 }  // namespace stormfield

@@ -73,9 +73,9 @@ void OtherTargets::addAt(double lambda, double step, LogMapScratch& scratch, std
   const double middle = std::clamp(lambda, path_.start() + half, path_.end() - half);
   const Vec3 velocity =
       (path_.positionAt(middle + half) - path_.positionAt(middle - half)) * (lambdaPerSecond_ / (2.0 * half));
-  const LogMap map = logMap(charts_, path_.at(lambda), element_.radius, scratch);
-  const Complex along = charts_.spaceToFace(map.source.face, velocity);
-  addDisc(map, std::abs(along) > 0.0 ? along * (velocity.norm() / std::abs(along)) : along, share, targets);
+  const std::shared_ptr<const LogMap> map = recentLogMap(charts_, path_.at(lambda), element_.radius, scratch);
+  const Complex along = charts_.spaceToFace(map->source.face, velocity);
+  addDisc(*map, std::abs(along) > 0.0 ? along * (velocity.norm() / std::abs(along)) : along, share, targets);
 }
 
 }  // namespace stormfield

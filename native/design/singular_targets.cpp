@@ -138,7 +138,7 @@ double SingularTargets::distanceBetween(const SingularState& a, const SingularSt
   const TriangleMesh& mesh = charts_.mesh();
   const double reach = a.radius + b.radius;
   if ((position(mesh, a.point) - position(mesh, b.point)).norm() >= reach) return kFar;
-  return logMap(charts_, a.point, reach, scratch).distance(mesh, b.point);
+  return recentLogMap(charts_, a.point, reach, scratch)->distance(mesh, b.point);
 }
 
 void SingularTargets::giveWay(std::vector<Present>& present, double lambda, LogMapScratch& scratch) const {
@@ -174,9 +174,9 @@ void SingularTargets::addDisc(const Present& storm, double share, LogMapScratch&
                               std::vector<Target>& targets) const {
   constexpr double kLeastCoverOfCorners = 0.5;
   const SingularState& state = storm.state;
-  const LogMap map = logMap(charts_, state.point, state.radius, scratch);
+  const std::shared_ptr<const LogMap> map = recentLogMap(charts_, state.point, state.radius, scratch);
   const auto& triangles = charts_.mesh().triangles();
-  for (const LogMapEntry& entry : map.entries) {
+  for (const LogMapEntry& entry : map->entries) {
     double cover = falloff(entry.distance / state.radius);
     if ((triangles.row(state.point.face).array() == entry.vertex).any()) cover = std::max(cover, kLeastCoverOfCorners);
     const bool core = entry.distance < kCore * state.radius || cover == kLeastCoverOfCorners;
