@@ -46,18 +46,21 @@ def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | No
     from ..convert.mesh_arrays import read_polygons
     from ..convert.scene import read_design
 
+    saved = folders.shown_folders()  # what the scene on disk goes on showing, unless it is saved anew
     task = replace(read_bake_task(bpy.context, obj, Path()), targets=targets, only=only, resume=resume)
     job.check_task(task)
     mesh, design = read_design(bpy.context, obj)
     with progress(f"Solving '{obj.name}'") as show:
         folder = job.run(job.solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj)), show)
     attach.attach_lambda(obj, folder)
+    folders.delete_old_caches(folder.parent, "lambda", saved)
     if not targets:
         return
     with progress(f"Baking '{obj.name}'") as show:
         result = job.run(job.bake_steps(replace(task, cache=folder)), show)
     if result.whole and "usd" in result.folders:
         attach.attach_frames(obj, result.folders["usd"])
+        folders.delete_old_caches(result.folders["usd"].parent, "frames", saved)
     for target, written in result.folders.items():
         click.echo(f"{obj.name}\t{target}\t{written}")
     for remark in result.remarks:

@@ -1,6 +1,7 @@
 """Where caches live: beside the .blend file when it is saved, in Blender's temporary folder until then."""
 
 import re
+from collections.abc import Collection
 from pathlib import Path
 
 import bpy
@@ -35,9 +36,15 @@ def file_name(name: str) -> str:
     return cleaned or "object"
 
 
-def delete_old_caches(root: Path, sort: str) -> list[Path]:
-    """Delete all but the newest finished caches of a sort ("lambda", "frames") that nothing in the file shows."""
-    shown = {Path(bpy.path.abspath(cache_file.filepath)).parent for cache_file in bpy.data.cache_files}
+def shown_folders() -> set[Path]:
+    """Folders of the caches that the open file shows."""
+    return {Path(bpy.path.abspath(cache_file.filepath)).parent for cache_file in bpy.data.cache_files}
+
+
+def delete_old_caches(root: Path, sort: str, keep: Collection[Path] = ()) -> list[Path]:
+    """Delete all but the newest finished caches of a sort ("lambda", "frames"), those that the open file shows, and
+    those to `keep`."""
+    shown = shown_folders().union(keep)
     finished = [manifest for manifest in root.glob(f"{sort}-*/manifest.json") if manifest.parent not in shown]
     finished.sort(key=lambda manifest: manifest.stat().st_mtime, reverse=True)
     old = [manifest.parent for manifest in finished[KEPT:]]
