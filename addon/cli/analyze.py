@@ -26,11 +26,14 @@ def analyze(
     """Find the fixed points, periodic orbits and separatrices of FIELD, and how they are linked."""
     from .. import native
     from ..analysis.ecg import entity_graph, topology_json
+    from ..analysis.image import check as check_image
     from ..analysis.steps import result_of
     from ..bake.job import run
     from ..readers import read_field
 
     check_lam(lam)
+    if image is not None:
+        check_image(image)
     phases = Phases()
     load_core()
     with phases("read"):

@@ -44,11 +44,14 @@ def morse(
     """Divide the surface of FIELD into Morse sets and what flows between them."""
     from .. import native
     from ..analysis import mcg
+    from ..analysis.image import check as check_image
     from ..analysis.steps import result_of
     from ..bake import job
     from ..readers import read_field
 
     check_lam(lam)
+    if image is not None:
+        check_image(image)
     phases = Phases()
     load_core()
     with phases("read"):

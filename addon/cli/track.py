@@ -38,6 +38,7 @@ def track(
     """Follow the fixed points of FIELD over λ, from their creation to their annihilation."""
     from .. import native
     from ..analysis import tracking
+    from ..analysis.image import check as check_image
     from ..analysis.steps import result_of
     from ..bake.job import run
     from ..readers import read_field
@@ -45,6 +46,8 @@ def track(
     for name, least in (("--min-life", min_life), ("--min-strength", min_strength)):
         if not 0.0 <= least < np.inf:
             raise InputError(f"{name} {least:g} is out of range; choose a number from 0")
+    if image is not None:
+        check_image(image)
     phases = Phases()
     load_core()
     with phases("read"):
