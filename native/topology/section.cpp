@@ -3,11 +3,8 @@
 #include <algorithm>
 
 namespace stormfield {
-namespace {
 
-/// The inner halfedge that goes on from a vertex with the flow crossing it to the left, as squarely as possible;
-/// towards says whether it begins or ends at the vertex.
-Index continuation(const VectorField& field, Index vertex, bool begins) {
+Index crossedAt(const VectorField& field, Index vertex, bool begins) {
   const VertexCharts& charts = *field.charts;
   const TriangleMesh& mesh = charts.mesh();
   Index best = kNone;
@@ -25,8 +22,6 @@ Index continuation(const VectorField& field, Index vertex, bool begins) {
   return best;
 }
 
-}  // namespace
-
 std::array<double, 2> acrossEnds(const VectorField& field, Index h) {
   const VertexCharts& charts = *field.charts;
   const TriangleMesh& mesh = charts.mesh();
@@ -40,14 +35,14 @@ Section::Section(const VectorField& field, Index halfedge, int beyond) {
   for (int i = 0; i < beyond; ++i) {
     const Index last = halfedges_.back();
     if (acrossEnds(field, last)[1] <= 0.0) break;
-    const Index next = continuation(field, mesh.head(last), true);
+    const Index next = crossedAt(field, mesh.head(last), true);
     if (next == kNone || std::find(halfedges_.begin(), halfedges_.end(), next) != halfedges_.end()) break;
     halfedges_.push_back(next);
   }
   for (int i = 0; i < beyond; ++i) {
     const Index first = halfedges_.front();
     if (acrossEnds(field, first)[0] <= 0.0) break;
-    const Index before = continuation(field, mesh.tail(first), false);
+    const Index before = crossedAt(field, mesh.tail(first), false);
     if (before == kNone || std::find(halfedges_.begin(), halfedges_.end(), before) != halfedges_.end()) break;
     halfedges_.insert(halfedges_.begin(), before);
   }

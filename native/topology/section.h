@@ -35,6 +35,10 @@ class Section {
   double low_ = 0.0, high_ = 0.0;
 };
 
+/// The inner halfedge at a vertex that the flow crosses to the left as squarely as possible, beginning or ending there;
+/// kNone where there is none.
+Index crossedAt(const VectorField& field, Index vertex, bool begins);
+
 /// Components of the field across a halfedge to its left, at its tail and at its head; linear between.
 std::array<double, 2> acrossEnds(const VectorField& field, Index halfedge);
 

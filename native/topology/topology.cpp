@@ -256,7 +256,7 @@ class Search {
       across.run(found.best.section.point(mesh_, found.best.position, Direction::Forward),
                  [&](const SurfacePoint& p, double, const Passage& passage) {
                    if (progress_ != nullptr) progress_->check();
-                   if (passage.halfedge == kNone) return true;
+                   if (!passage) return true;
                    return stepOverBand(orbit, side, p, passage, part, found.crossings);
                  });
     }
@@ -265,6 +265,11 @@ class Search {
     // The edge as the field itself crosses it.
     Index h = passage.halfedge;
     double fraction = passage.fraction;
+    if (h == kNone) {
+      h = crossedAt(field_, passage.vertex, true);
+      fraction = 0.05;
+      if (h == kNone) return true;
+    }
     const auto ends = acrossEnds(field_, h);
     const double across = (1.0 - fraction) * ends[0] + fraction * ends[1];
     if (std::abs(across) < 0.1 * (std::abs(ends[0]) + std::abs(ends[1]))) return true;
