@@ -6,5 +6,6 @@ cd "$(dirname "$0")/.."
 [ $# -gt 0 ] || set -- analyzed graph paths morse
 for state in "$@"; do
   scripts/window_shot.sh "$state" "out/$state.png" "${SECONDS_TO_WAIT:-75}"
-  convert "out/$state.png" -crop 1314x878+0+28 +repage -resize 1100x -dither None -colors 200 "docs/pictures/$state.png"
+  [ "$state" = paths ] && height=948 || height=878   # the timeline is part of this picture
+  convert "out/$state.png" -crop "1314x$height+0+28" +repage -resize 1100x -dither None -colors 200 "docs/pictures/$state.png"
 done

@@ -225,7 +225,8 @@ WEATHER = (
 
 def weather():
     """A ball with sources, sinks and spirals, solved."""
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=SUBDIVISIONS, radius=1.0)
+    coarser = PICTURE == "morse"  # so that the sets can be seen
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=SUBDIVISIONS - coarser, radius=1.0)
     bpy.ops.object.shade_smooth()
     ball = bpy.context.object
     ball.name = "Small World"
@@ -282,7 +283,7 @@ def analyze(ball, distance, turned=(1.35, 0.0, 0.0)):
         print("analyze", bpy.ops.stormfield.analyze("EXEC_DEFAULT"))
         if "morse" in PICTURE:
             if PICTURE == "morse":
-                ball.stormfield.morse.method, ball.stormfield.morse.eps = "geometry", 21.0
+                ball.stormfield.morse.method, ball.stormfield.morse.eps = "geometry", 12.0
             print("morse", bpy.ops.stormfield.morse_sets("EXEC_DEFAULT"))
             analysis.show_separatrices = False
         if PICTURE != "analyzed":
@@ -292,9 +293,10 @@ def analyze(ball, distance, turned=(1.35, 0.0, 0.0)):
     ball.select_set(False)
     chosen = analysis.list(analysis.shown)
     towards = area.spaces.active.region_3d.view_rotation @ Vector((0.0, 0.2, 1.0))
-    saddles = [i for i, item in enumerate(chosen.items) if item.kind == "saddle"]
-    if saddles and PICTURE != "analyzed":
-        chosen.active = max(saddles, key=lambda i: towards.dot(Vector(chosen.items[i].position)))
+    kind = "sink" if PICTURE == "morse" else "saddle"
+    ones = [i for i, item in enumerate(chosen.items) if item.kind == kind]
+    if ones and PICTURE != "analyzed":
+        chosen.active = max(ones, key=lambda i: towards.dot(Vector(chosen.items[i].position)))
 
 
 def guarded():

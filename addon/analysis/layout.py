@@ -53,6 +53,7 @@ def layout(graph: EntityGraph) -> GraphLayout:
     sugiyama = drawing.layout_sugiyama(layers=[layers[i] for i in order], hgap=1, vgap=1, maxiter=SWEEPS)
     places = np.empty(len(layers))
     places[order] = [x for x, _ in sugiyama.coords]
+    _keep_apart(places, np.array(layers))
     places -= 0.5 * (places[:count].min() + places[:count].max())
     positions = np.column_stack([places[:count], height]).astype(np.float64)
     at = {pair: np.array([places[node], 1.0]) for pair, node in bend.items()}
@@ -96,6 +97,15 @@ def _along(drawing) -> np.ndarray:
             start = part[int(np.argmax(away))]
         far[part] = away
     return np.argsort(far, kind="stable")
+
+
+def _keep_apart(places: np.ndarray, layers: np.ndarray) -> None:
+    """Push neighbours of a row to a distance of 1: parts of the graph without links between them may overlap."""
+    for layer in np.unique(layers):
+        row = np.flatnonzero(layers == layer)
+        row = row[np.argsort(places[row], kind="stable")]
+        steps = np.arange(len(row))
+        places[row] = np.maximum.accumulate(places[row] - steps) + steps
 
 
 def _route(link: Link, positions: np.ndarray, bend: np.ndarray | None) -> np.ndarray:

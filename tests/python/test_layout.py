@@ -104,6 +104,15 @@ def test_nothing_and_lonely_entities():
     assert abs(drawn.positions[0, 0] - drawn.positions[1, 0]) >= 1 - 1e-9
 
 
+def test_parts_without_links_between_them_do_not_overlap():
+    rows = ["repelling"] * 3 + ["saddle"] * 9 + ["attracting"] * 2
+    links = [(0, 3), (0, 5), (0, 7), (0, 11), (1, 3), (1, 5), (2, 11), (2, 13), (5, 13), (7, 12), (8, 12), (9, 12)]
+    drawn = layout(graph_of(rows, links))
+    for y in range(3):
+        x = np.sort(drawn.positions[drawn.positions[:, 1] == y, 0])
+        assert (np.diff(x) >= 1 - 1e-9).all()
+
+
 def test_the_same_graph_gives_the_same_picture():
     graph = random_graph(90)
     assert np.array_equal(layout(graph).positions, layout(graph).positions)
