@@ -42,7 +42,7 @@ class JobOperator(FieldOperator):
         return not reason
 
     @staticmethod
-    def why_not(_obj: bpy.types.Object) -> str:
+    def why_not(obj: bpy.types.Object) -> str:
         """Why the work cannot begin now, and the cure; empty when it can."""
         return ""
 
