@@ -18,7 +18,7 @@ struct DesignOptions {
   double lambdaPerSecond = 1.0;  ///< s in d lambda = s dt, for pathlines
 };
 
-/// Keeps what solves on one mesh share, and what each leaves for the next: some seven vectors of single precision
+/// Keeps what solves on one mesh share, and what each leaves for the next: some five vectors of single precision
 /// unknowns per field. A solver that is new starts from zero, and its results depend on nothing but their arguments;
 /// after that, fields are the same to the tolerance, but not to the bit.
 class DesignSolver {

@@ -142,7 +142,12 @@ class Iteration {
 
 int krylovSolve(Multigrid& multigrid, const SpaceTimeOperator& matrix, KrylovVectors& vectors,
                 std::vector<double> squares, double target, int maxSteps, Progress& progress) {
-  return Iteration(multigrid, matrix, vectors, std::move(squares), target, maxSteps, progress).run();
+  vectors.z = FieldBuffer(vectors.x.size());
+  vectors.p = FieldBuffer(vectors.x.size());
+  const int steps = Iteration(multigrid, matrix, vectors, std::move(squares), target, maxSteps, progress).run();
+  vectors.z = FieldBuffer();
+  vectors.p = FieldBuffer();
+  return steps;
 }
 
 }  // namespace stormfield

@@ -12,12 +12,11 @@
 
 namespace stormfield {
 
-/// Rows of the finest level: solution, residual, and two to work with.
+/// Rows of the finest level: solution, residual, and two to work with, which are there during krylovSolve only.
 struct KrylovVectors {
   FieldBuffer x, r, z, p;
 
-  KrylovVectors() = default;
-  explicit KrylovVectors(std::size_t floats) : x(floats), r(floats), z(floats), p(floats) {}
+  explicit KrylovVectors(std::size_t floats) : x(floats), r(floats) {}
 };
 
 /// Adds the solution of A e = r to x until r, which is carried along, is as short as the target, or for so many steps.

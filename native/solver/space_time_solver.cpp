@@ -147,7 +147,9 @@ class SpaceTimeSolver::Solve {
       allocateField();
     } else {
       state_.multigrid.constrain(state_.rows, progress_);
-      inSinglePrecision(start());
+      Squares first = start();
+      rows = {};
+      inSinglePrecision(std::move(first));
       if (result_.residual > options_.tolerance) inDoublePrecision();
     }
     progress_.report(1.0);

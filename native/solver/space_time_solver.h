@@ -18,14 +18,20 @@
 // samples exactly, Gauss-Seidel over the vertices, and the surface is coarsened by classical algebraic multigrid with
 // interpolation along the connection. Lambda is halved along with it where it is strong: the steps stay the same with
 // and without, and all coarse levels together take about a quarter of a cycle. One V-cycle preconditions a Krylov
-// method (krylov.h). Inner arithmetic is float32, the residual and what is left after a run in float32 are double: at a
+// method (krylov.h). Arithmetic is float32; below what that reaches, the residual is double and solved for anew: at a
 // tolerance of 1e-11 fields agree with a direct solve to 1e-8.
 //
 // Measured on 2 cores that had other work, 20k vertices x 100 samples, two storms of weight 4e5, to 1e-4, in units of
-// the processor time of one plain stencil sweep: 28 from zero (3 steps; plain Jacobi-CG: 840 to 970, 315 steps), 25
-// after one storm moved by a tenth of its radius (2 steps), hierarchy 10. Peak memory: 6.7 unknown vectors. Time of
-// hierarchy and solve grows with n^1.04 to n^1.17 in most runs from 200k x 20 to 1M x 20 (4 and 5 steps), n^1.31 in the
-// worst.
+// the processor time of one plain stencil sweep: 20 from zero (3 steps; plain Jacobi-CG: 830 to 970, 315 steps), 12
+// from the state of the last solve after one storm moved by a tenth of its radius (2 steps), hierarchy 10. Sums over
+// neighbours take AVX2 where there is; in sweeps that do so too the 12 are 17. Peak memory: 7.6 unknown vectors, of
+// which a state keeps 4.6. Time of hierarchy and solve grows with n^1.04 to n^1.17 in most runs from 200k x 20 to 1M x
+// 20 (4 and 5 steps), n^1.31 in the worst.
+//
+// What makes an edit cheap: the state keeps the solution in the solver's own layout, its residual (rows whose
+// constraints stay keep theirs) and the factors of the lines (rows whose weights stay keep theirs); the first half of a
+// cycle passes over chunks of rows where the residual is small, which in the first step is all that lies far from what
+// moved. The residual at the end is taken anew, in single precision unless the tolerance is out of its reach.
 //
 // Constraints at vertices that no face uses have no effect. Throws InputError without constraints and for bad ones
 // (constraint_rows.h), SolverError when the tolerance is out of reach, Cancelled.
