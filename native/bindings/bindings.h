@@ -22,6 +22,7 @@ void bind_tracing(py::module_& m);
 void bind_topology(py::module_& m);
 void bind_tracking(py::module_& m);
 void bind_morse(py::module_& m);
+void bind_morse_maps(py::module_& m);
 void bind_design(py::module_& m);
 void bind_streamlines(py::module_& m);
 void bind_solver(py::module_& m);

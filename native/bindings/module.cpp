@@ -12,6 +12,7 @@ PYBIND11_MODULE(stormfield_native, m) {
   bind_topology(m);
   bind_tracking(m);
   bind_morse(m);
+  bind_morse_maps(m);
   bind_streamlines(m);
   bind_solver(m);
   bind_design(m);

@@ -10,6 +10,8 @@ namespace {
 
 /// Halvings of an edge at most, and where both ends leave the surface: 2^-28 of an edge is what traces resolve.
 constexpr int kDeepest = 28, kDeepestOutside = 6;
+/// Samples of one edge at most; beyond, gaps are bridged.
+constexpr std::size_t kMostSamples = 50000;
 /// Distance of the middle from the straight line that is still nearly in line, in face sizes.
 constexpr double kFlat = 0.25;
 /// Longest chord, in face sizes.
@@ -32,6 +34,7 @@ EdgeImageMaker::EdgeImageMaker(const TauFlow& flow, double tau, const Progress* 
 
 const EdgeImage& EdgeImageMaker::make(Index edge, const Arrival& tail, const Arrival& head) {
   halfedge_ = flow_->mesh().edgeHalfedge(edge);
+  samples_ = 0;
   image_.faces.clear();
   image_.leaves = tail.left || head.left;
   interval({0.0, tail}, {1.0, head}, 0);
@@ -50,6 +53,7 @@ SurfacePoint EdgeImageMaker::pointAt(double s) const {
 
 EdgeImageMaker::Sample EdgeImageMaker::sample(double s) {
   ++traces_;
+  ++samples_;
   const Sample result{s, forward_->move(pointAt(s), tau_)};
   image_.leaves |= result.at.left;
   return result;
@@ -58,7 +62,7 @@ EdgeImageMaker::Sample EdgeImageMaker::sample(double s) {
 void EdgeImageMaker::interval(const Sample& a, const Sample& b, int level) {
   const Sample middle = sample(0.5 * (a.s + b.s));
   if (accept(a, middle, b, level)) return;
-  if (level == kDeepest) {
+  if (level == kDeepest || samples_ >= kMostSamples) {
     bridge(a, middle);
     bridge(middle, b);
     return;

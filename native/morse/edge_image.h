@@ -55,7 +55,7 @@ class EdgeImageMaker {
   NearFaces near_;
   Index halfedge_ = kNone;
   EdgeImage image_;
-  std::size_t traces_ = 0;
+  std::size_t traces_ = 0, samples_ = 0;  ///< in all, and of the edge at hand
 };
 
 }  // namespace stormfield

@@ -85,10 +85,9 @@ double Unfoldings::spread(Complex inBase, Complex inOther) const {
   if (side_ < 0) return 0.0;
   // Over the common edge there is one way; past its end, one on either side of the vertex there.
   const FlatFace& base = (*faces_)[base_];
-  const Complex tail = base.corner(side_), head = base.corner((side_ + 1) % 3), way = laid - inBase;
-  const bool pastTail = cross(way, tail - inBase) > 0.0, pastHead = cross(way, head - inBase) < 0.0;
-  if (!pastTail && !pastHead) return 0.0;
-  const int corner = pastTail ? side_ : (side_ + 1) % 3;
+  const Complex tail = base.corner(side_), head = base.corner((side_ + 1) % 3);
+  if (segmentDistance(inBase, laid, tail, head) <= 1e-6 * std::abs(head - tail)) return 0.0;
+  const int corner = cross(laid - inBase, tail - inBase) > 0.0 ? side_ : (side_ + 1) % 3;
   const VertexCharts& charts = faces_->charts();
   const Index v = base.vertex(corner);
   const double distance = std::abs(laid - base.corner(corner));

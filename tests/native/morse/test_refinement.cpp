@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "base/error.h"
+#include "fixtures.h"
+#include "morse/refinement.h"
+
+namespace stormfield::test {
+namespace {
+
+/// On a square: two sinks on the x axis and the saddle between them.
+std::shared_ptr<const VectorField> twoSinks(int n) {
+  const auto charts = makeCharts(grid(n, 0.2));
+  Points vectors = charts->mesh().points();
+  for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
+    const Vec3 p = charts->mesh().point(v);
+    const double x = p.x() - 0.013, y = p.y() + 0.017;
+    // The rotation makes the geometry-based map coarse.
+    const double u = x - 4.0 * x * x * x, w = -y;
+    vectors.row(v) = Vec3(u - 0.6 * w, w + 0.6 * u, 0.0);
+  }
+  return std::make_shared<const VectorField>(fromSpace(charts, vectors));
+}
+
+std::shared_ptr<const FlatFaces> flatFaces(const VectorField& field) {
+  return std::make_shared<const FlatFaces>(field.charts);
+}
+
+FaceSets setsOf(const VectorField& field, const CombinatorialMap& map, const std::vector<double>& taus) {
+  MorseOptions options;
+  for (const double tau : taus) options.mapped.push_back(tau > 0.0);
+  Progress progress;
+  return morseDecomposition(field, map, options, progress).faces;
+}
+
+TEST(Refinement, GivesWhatARecomputationAtItsTausGives) {
+  std::vector<std::shared_ptr<const VectorField>> fields{twoSinks(14)};
+  for (const Surface& s : {icosphere(2), torus(12, 8), annulus(14, 4)}) {
+    fields.push_back(std::make_shared<const VectorField>(randomField(makeCharts(s), 6)));
+  }
+  for (const auto& field : fields) {
+    MorseRefinement refinement(flatFaces(*field), field, {.edgesMax = 16.0});
+    EXPECT_EQ(refinement.refine(), RefinementStop::Done);
+    EXPECT_GT(refinement.steps(), 0);
+    const CombinatorialMap part = refinement.map();
+    const CombinatorialMap full = tauMap(*flatFaces(*field), *field, refinement.taus());
+    EXPECT_EQ(part.graph.offsets, full.graph.offsets);
+    EXPECT_EQ(part.graph.targets, full.graph.targets);
+    // The whole map may join what padding reaches across a set's border, never split.
+    const FaceSets whole = setsOf(*field, full, refinement.taus());
+    for (Index s = 0; s < refinement.sets().count(); ++s) {
+      for (const Index f : refinement.sets().faces(s)) {
+        EXPECT_EQ(whole.setOf(f), whole.setOf(refinement.sets().faces(s).front()));
+      }
+    }
+  }
+}
+
+TEST(Refinement, SetsStayWithinThoseTheyComeFrom) {
+  const auto field = std::make_shared<const VectorField>(randomField(makeCharts(icosphere(3)), 8));
+  MorseRefinement refinement(flatFaces(*field), field);
+  for (int i = 0; i < 4; ++i) {
+    const FaceSets before = refinement.sets();
+    if (!refinement.round()) break;
+    for (Index s = 0; s < refinement.sets().count(); ++s) {
+      const auto& faces = refinement.sets().faces(s);
+      EXPECT_NE(before.setOf(faces.front()), kNone);
+      for (const Index f : faces) EXPECT_EQ(before.setOf(f), before.setOf(faces.front()));
+    }
+  }
+}
+
+TEST(Refinement, SeparatesASaddleFromItsSinks) {
+  const auto field = twoSinks(24);
+  MorseRefinement refinement(flatFaces(*field), field);
+  refinement.refine();
+  int sinks = 0, saddles = 0;
+  for (const MorseSet& set : refinement.indices()) {
+    sinks += set.kind == MorseKind::Sink;
+    saddles += set.kind == MorseKind::Saddle;
+  }
+  EXPECT_EQ(sinks, 2);
+  EXPECT_EQ(saddles, 1);
+}
+
+TEST(Refinement, KeepsLimits) {
+  const auto field = twoSinks(14);
+  MorseRefinement none(flatFaces(*field), field, {.maximalSteps = 0});
+  EXPECT_EQ(none.refine(), RefinementStop::Steps);
+  EXPECT_EQ(none.steps(), 0);
+  MorseRefinement instant(flatFaces(*field), field, {.maximalSeconds = 0.0});
+  EXPECT_EQ(instant.refine(), RefinementStop::Time);
+  MorseRefinement bounded(flatFaces(*field), field, {.tauMin = 0.1, .tauMax = 0.5});
+  bounded.refine();
+  for (const double tau : bounded.taus()) EXPECT_LE(tau, 0.5);
+}
+
+TEST(Refinement, CancelLeavesCompleteRounds) {
+  const auto field = twoSinks(30);
+  const auto faces = flatFaces(*field);
+  for (const int microseconds : {0, 1000, 5000, 20000, 60000}) {
+    MorseRefinement refinement(faces, field);
+    Progress progress;
+    std::thread watcher([&] {
+      std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
+      progress.cancel();
+    });
+    refinement.refine(&progress);
+    watcher.join();
+    const CombinatorialMap full = tauMap(*faces, *field, refinement.taus());
+    EXPECT_EQ(refinement.map().graph.targets, full.graph.targets) << microseconds;
+  }
+}
+
+TEST(Refinement, RefinesOneSetByHand) {
+  const auto field = twoSinks(24);
+  MorseRefinement refinement(flatFaces(*field), field);
+  ASSERT_GT(refinement.sets().count(), 0);
+  const MorseRefinement copy = refinement;
+  Index largest = 0;
+  for (Index s = 0; s < refinement.sets().count(); ++s) {
+    if (refinement.sets().faces(s).size() > refinement.sets().faces(largest).size()) largest = s;
+  }
+  EXPECT_TRUE(refinement.refineSet(largest));
+  for (std::size_t f = 0; f < refinement.taus().size(); ++f) {
+    EXPECT_EQ(refinement.taus()[f] > 0.0, copy.sets().setOf(static_cast<Index>(f)) == largest);
+  }
+  EXPECT_THROW(refinement.refineSet(-1), InputError);
+  EXPECT_THROW(refinement.refineSet(100000), InputError);
+  Progress cancelled;
+  cancelled.cancel();
+  const auto before = copy.sets().setOf();
+  MorseRefinement again = copy;
+  EXPECT_THROW(again.refineSet(largest, &cancelled), Cancelled);
+  EXPECT_EQ(again.sets().setOf(), before);
+}
+
+TEST(Refinement, ZeroFieldsAndSingleTrianglesAreLeftAsTheyAre) {
+  for (const Surface& s : {surface({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), grid(3), severalComponents()}) {
+    const auto field = std::make_shared<const VectorField>(zeroField(makeCharts(s)));
+    MorseRefinement refinement(flatFaces(*field), field);
+    EXPECT_EQ(refinement.refine(), RefinementStop::Done);
+    EXPECT_EQ(refinement.steps(), 0);
+  }
+  const auto field = twoSinks(6);
+  EXPECT_THROW(MorseRefinement(flatFaces(*field), field, {.tauMin = -1.0}), InputError);
+  EXPECT_THROW(MorseRefinement(flatFaces(*field), field, {.tauMax = 0.0}), InputError);
+}
+
+TEST(Refinement, PriorityIsTheFacesTimesTheDistanceFromTheBasicIndices) {
+  EXPECT_EQ(refinementPriority({0, 1, 0}, 7), 7.0);
+  EXPECT_EQ(refinementPriority({0, 0, 0}, 7), 14.0);
+  EXPECT_EQ(refinementPriority({0, 2, 1}, 7), 14.0);
+}
+
+}  // namespace
+}  // namespace stormfield::test

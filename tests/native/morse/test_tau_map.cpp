@@ -1,0 +1,264 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <thread>
+
+#include "base/error.h"
+#include "combinatorial/geometry_map.h"
+#include "data_sets.h"
+#include "fixtures.h"
+#include "morse/flow_mover.h"
+#include "morse/spatial_tau_map.h"
+
+namespace stormfield::test {
+namespace {
+
+bool leadsTo(const CombinatorialMap& map, Index from, Index to) {
+  return std::binary_search(map.graph.begin(from), map.graph.end(from), to);
+}
+
+/// Random points of random faces, traced finely, that do not end in F of their face.
+int escapes(const FlatFaces& faces, const VectorField& field, const CombinatorialMap& map, TauUnit unit, double tau,
+            int tries) {
+  const TauFlow flow(faces, field, unit, 1e-8);
+  const auto mover = flow.mover(Direction::Forward, nullptr);
+  Random random(11);
+  int count = 0;
+  for (int i = 0; i < tries; ++i) {
+    const SurfacePoint p{random.below(field.mesh().faceCount()), random.barycentric()};
+    const Arrival end = mover->move(p, tau);
+    count += !leadsTo(map, p.face, end.left ? map.outside() : end.point.face);
+  }
+  return count;
+}
+
+/// More with STORMFIELD_LONG_TESTS set to a factor: 500 makes 10^7 of them on the gas engine.
+int tries(int normal) {
+  const char* factor = std::getenv("STORMFIELD_LONG_TESTS");
+  return normal * (factor == nullptr ? 1 : std::max(1, std::atoi(factor)));
+}
+
+/// Smooth on the surface: the tangent part of a vector that changes slowly in space.
+VectorField smoothField(const std::shared_ptr<const VertexCharts>& charts) {
+  Points vectors(charts->mesh().vertexCount(), 3);
+  for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
+    const Vec3 p = charts->mesh().point(v);
+    vectors.row(v) = Vec3(std::sin(2.0 * p.y()) + 0.3, std::cos(1.7 * p.z()) - p.x(), std::sin(p.x() + p.y()));
+  }
+  return fromSpace(charts, vectors);
+}
+
+class TauMapOnSurfaces : public testing::TestWithParam<NamedSurface> {};
+
+TEST_P(TauMapOnSurfaces, EnclosesTheImagesOfSmoothAndRandomFields) {
+  const auto charts = makeCharts(GetParam().surface);
+  const FlatFaces faces(charts);
+  for (const VectorField& field : {smoothField(charts), randomField(charts, 3)}) {
+    for (const double edges : {0.3, 2.0, 6.0}) {
+      for (const TauUnit unit : {TauUnit::Time, TauUnit::Length}) {
+        TauMapOptions options;
+        options.unit = unit;
+        const double tau = startingTau(field, unit, edges);
+        const CombinatorialMap map = tauMap(faces, field, tau, options);
+        EXPECT_EQ(escapes(faces, field, map, unit, tau, tries(1000)), 0) << edges << " edges, unit " << int(unit);
+      }
+    }
+  }
+}
+
+std::vector<NamedSurface> allSurfaces() {
+  auto all = closedSurfaces();
+  for (auto& s : boundedSurfaces()) all.push_back(std::move(s));
+  return all;
+}
+INSTANTIATE_TEST_SUITE_P(Surfaces, TauMapOnSurfaces, testing::ValuesIn(allSurfaces()), [](const auto& info) {
+  std::string name = info.param.name;
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+});
+
+TEST(TauMap, EnclosesTheImagesOfTheGasEngine) {
+  const auto data = dataSet("gasEngineV.t");
+  if (!data) GTEST_SKIP() << "the data set gasEngineV.t is not at hand";
+  const VectorField field = fieldOn(*data);
+  const FlatFaces faces(field.charts);
+  const CombinatorialMap map = tauMap(faces, field, 5e-4);
+  EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, 5e-4, tries(20000)), 0);
+}
+
+TEST(TauMap, MovesAGridByAConstantField) {
+  const auto charts = makeCharts(grid(10));
+  const FlatFaces faces(charts);
+  const VectorField field = fromSpace(charts, Vec3(1, 0, 0).transpose().replicate(charts->mesh().vertexCount(), 1));
+  const CombinatorialMap map = tauMap(faces, field, 0.4);  // two cells of 0.2
+  for (Index f = 0; f < map.outside(); ++f) {
+    const Vec3 middle = position(charts->mesh(), {f, Eigen::Vector3d::Constant(1.0 / 3.0)});
+    if (middle.x() < 0.5) {
+      EXPECT_TRUE(leadsTo(map, f, f + 4)) << f;
+      EXPECT_FALSE(leadsTo(map, f, f)) << f;
+      EXPECT_LE(map.graph.end(f) - map.graph.begin(f), 14) << f;
+    } else if (middle.x() > 0.65) {
+      EXPECT_TRUE(leadsTo(map, f, map.outside())) << f;
+    }
+  }
+  EXPECT_EQ(map.graph.begin(map.outside()), map.graph.end(map.outside()));
+}
+
+TEST(TauMap, ASinkDrawsEverythingTogetherAndASourceSpreadsIt) {
+  const auto charts = makeCharts(grid(12, 0.2));
+  const FlatFaces faces(charts);
+  for (const double sign : {-1.0, 1.0}) {
+    const VectorField field = fromSpace(charts, sign * charts->mesh().points());
+    const CombinatorialMap map = tauMap(faces, field, 1.5);
+    std::size_t largest = 0;
+    for (Index f = 0; f < map.outside(); ++f) {
+      largest = std::max<std::size_t>(largest, map.graph.end(f) - map.graph.begin(f));
+    }
+    // exp(1.5)^2 = 20 times the area, filled
+    if (sign < 0.0) {
+      EXPECT_LE(largest, 12U);
+    } else {
+      EXPECT_GE(largest, 20U);
+    }
+    EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, 1.5, 3000), 0);
+  }
+}
+
+TEST(TauMap, IsTheSameForAnyNumberOfThreads) {
+  const auto charts = makeCharts(bumpySphere(3));
+  const FlatFaces faces(charts);
+  const VectorField field = smoothField(charts);
+  const CombinatorialMap many = tauMap(faces, field, 0.3);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const CombinatorialMap single = tauMap(faces, field, 0.3);
+  EXPECT_EQ(many.graph.offsets, single.graph.offsets);
+  EXPECT_EQ(many.graph.targets, single.graph.targets);
+}
+
+TEST(TauMap, RowsDependOnTheirOwnTauOnly) {
+  const auto charts = makeCharts(icosphere(3));
+  const FlatFaces faces(charts);
+  const VectorField field = smoothField(charts);
+  std::vector<double> taus(charts->mesh().faceCount());
+  for (std::size_t f = 0; f < taus.size(); ++f) taus[f] = 0.1 * static_cast<double>(f % 3);
+  const CombinatorialMap mixed = tauMap(faces, field, taus);
+  const CombinatorialMap rows[] = {geometryMap(field), tauMap(faces, field, 0.1), tauMap(faces, field, 0.2)};
+  for (Index f = 0; f < mixed.outside(); ++f) {
+    const DirectedGraph& other = rows[f % 3].graph;
+    EXPECT_TRUE(std::equal(mixed.graph.begin(f), mixed.graph.end(f), other.begin(f), other.end(f))) << f;
+  }
+}
+
+TEST(TauMap, TakesAtMost64BytesForAnEdge) {
+  const auto charts = makeCharts(icosphere(5));
+  const FlatFaces faces(charts);
+  const VectorField field = smoothField(charts);
+  TauWork work;
+  const CombinatorialMap map = tauMap(faces, field, startingTau(field), {}, nullptr, &work);
+  EXPECT_LE(static_cast<double>(work.peakBytes), 64.0 * static_cast<double>(map.graph.edgeCount()));
+}
+
+TEST(TauMap, SpatialTauIsTheTauMapByLength) {
+  const auto charts = makeCharts(icosphere(3));
+  const FlatFaces faces(charts);
+  VectorField field = smoothField(charts);
+  const CombinatorialMap map = spatialTauMap(faces, field, 0.2);
+  for (Complex& v : field.values) v *= 8.0;  // a power of two: the same bits
+  const CombinatorialMap faster = spatialTauMap(faces, field, 0.2);
+  EXPECT_EQ(map.graph.targets, faster.graph.targets);
+}
+
+TEST(TauMap, RefusesWhatItCannotUse) {
+  const auto charts = makeCharts(grid(4));
+  const FlatFaces faces(charts);
+  const VectorField field = randomField(charts, 1);
+  for (const double tau : {0.0, -1.0, std::nan(""), HUGE_VAL}) EXPECT_THROW(tauMap(faces, field, tau), InputError);
+  EXPECT_THROW(tauMap(faces, field, std::vector<double>(3, 1.0)), InputError);
+  EXPECT_THROW(startingTau(zeroField(charts)), InputError);
+  EXPECT_THROW(startingTau(field, TauUnit::Time, 0.0), InputError);
+  VectorField broken = field;
+  broken.values[5] = {std::nan(""), 0.0};
+  EXPECT_THROW(tauMap(faces, broken, 1.0), InputError);
+  broken.values.resize(3);
+  EXPECT_THROW(tauMap(faces, broken, 1.0), InputError);
+}
+
+TEST(TauMap, NamesTheLargestTauThatFitsIntoMemory) {
+  // Shear around a torus draws images out, the longer the farther.
+  const auto charts = makeCharts(torus(40, 20));
+  const FlatFaces faces(charts);
+  Points vectors(charts->mesh().vertexCount(), 3);
+  for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
+    const Vec3 p = charts->mesh().point(v);
+    vectors.row(v) = (1.0 + 3.0 * p.z()) * Vec3(-p.y(), p.x(), 0.0);
+  }
+  const VectorField shear = fromSpace(charts, vectors);
+  TauMapOptions options;
+  options.memoryLimit = 700000;
+  EXPECT_NO_THROW(tauMap(faces, shear, 0.01, options));
+  try {
+    tauMap(faces, shear, 60.0, options);
+    FAIL() << "it fits";
+  } catch (const InputError& e) {
+    const std::string text = e.what(), before = "the largest tau that fits is about ";
+    ASSERT_NE(text.find(before), std::string::npos) << text;
+    const double largest = std::stod(text.substr(text.find(before) + before.size()));
+    EXPECT_GT(largest, 0.01);
+    EXPECT_LT(largest, 60.0);
+    EXPECT_NO_THROW(tauMap(faces, shear, 0.9 * largest, options)) << largest;
+  }
+}
+
+TEST(TauMap, AZeroFieldMovesNothing) {
+  for (const Surface& s : {grid(3), icosphere(1)}) {
+    const auto charts = makeCharts(s);
+    const FlatFaces faces(charts);
+    for (const TauUnit unit : {TauUnit::Time, TauUnit::Length}) {
+      TauMapOptions options;
+      options.unit = unit;
+      const CombinatorialMap map = tauMap(faces, zeroField(charts), 1.0, options);
+      for (Index f = 0; f < map.outside(); ++f) EXPECT_TRUE(leadsTo(map, f, f));
+    }
+  }
+}
+
+TEST(TauMap, FieldsWithZeroVectorsAreEnclosed) {
+  for (const Surface& s : {grid(5), icosphere(1), severalComponents()}) {
+    const auto charts = makeCharts(s);
+    const FlatFaces faces(charts);
+    const VectorField field = randomIntegerField(charts, 4);
+    const double tau = startingTau(field, TauUnit::Time, 1.0);
+    const CombinatorialMap map = tauMap(faces, field, tau);
+    EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, 2000), 0);
+  }
+}
+
+TEST(TauMap, WorksOnASingleTriangle) {
+  const auto charts = makeCharts(surface({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
+  const FlatFaces faces(charts);
+  const VectorField field = fromSpace(charts, Vec3(1, 0, 0).transpose().replicate(3, 1));
+  const CombinatorialMap near = tauMap(faces, field, 0.1), far = tauMap(faces, field, 5.0);
+  EXPECT_TRUE(leadsTo(near, 0, 0));
+  EXPECT_TRUE(leadsTo(near, 0, 1));
+  EXPECT_TRUE(leadsTo(far, 0, 1));
+}
+
+TEST(TauMap, StopsWhenCancelled) {
+  const auto charts = makeCharts(icosphere(4));
+  const FlatFaces faces(charts);
+  const VectorField field = smoothField(charts);
+  for (const double part : {0.0, 0.01, 0.1, 0.5, 0.9}) {
+    Progress progress;
+    std::thread watcher([&] {
+      while (progress.fraction() < part) std::this_thread::yield();
+      progress.cancel();
+    });
+    EXPECT_THROW(tauMap(faces, field, 2.0, {}, &progress), Cancelled) << part;
+    watcher.join();
+  }
+}
+
+}  // namespace
+}  // namespace stormfield::test
