@@ -1,6 +1,11 @@
 """Speed of the cache as ratios (make bench): baking over copying the same bytes, scrubbing over a bare foreach_set.
 
 python tests/python/bench_bake.py [vertices] [samples]
+
+Where a scrubbed frame goes (processor time, 100k vertices, 4 attributes, machine with other work): 1.8 to 2.0 ms with a
+modifier that reads nothing, which is Blender evaluating a mesh of that size; 2.2 to 3.5 ms with all attributes, so
+0.5 to 1.5 ms are the reading and blending of samples, about 0.2 ms per attribute. Between 5 and 40 samples there is
+little difference. A frame's wall time under load is several times that.
 """
 
 import shutil
@@ -109,8 +114,11 @@ def scrub_over_foreach_set(folder, mesh, polygons, samples, steps=40):
     driver.expression = f"frame * 1000 / {steps}"
     first = median_frame(scene, obj, steps, lambda frame: None)
     scrub = median_frame(scene, obj, steps, lambda frame: None)
+    modifier.read_data = set()
+    nothing = median_frame(scene, obj, steps, lambda frame: None)
     print(f"\nscrub: {len(mesh.vertices)} vertices, 4 attributes, between samples")
     print(f"  frame change alone {1e3 * empty:7.2f} ms")
+    print(f"  cache, none read   {1e3 * nothing:7.2f} ms")
     print(f"  with foreach_set   {1e3 * bare:7.2f} ms")
     print(f"  cache, first pass  {1e3 * first:7.2f} ms  cache / foreach_set {first / bare:5.2f}")
     print(f"  cache, again       {1e3 * scrub:7.2f} ms  cache / foreach_set {scrub / bare:5.2f}")
