@@ -153,4 +153,10 @@ ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index se
   return {b0, b0 + b2 - (n.euler() - l.euler), b2};
 }
 
+ConleyIndex tightened(const ConleyIndex& bound, int euler) {
+  const ConleyIndex result{std::min(bound.b0, bound.b1 + euler), std::min(bound.b1, bound.b0 + bound.b2 - euler),
+                           std::min(bound.b2, bound.b1 + euler)};
+  return std::min({result.b0, result.b1, result.b2}) < 0 ? bound : result;
+}
+
 }  // namespace stormfield

@@ -10,7 +10,7 @@
 // outside only, so that corners of N that merely touch are apart: at a vertex where two fans of N meet, each has a copy
 // of it. The index is then exact, and b0 - b1 + b2 is the sum of the Poincare indices inside (less the grazings of
 // exit_set.h at the surface's own boundary). With a tau map, N and L are closed unions of faces and the numbers are an
-// upper bound of the index (thesis 8.2.3).
+// upper bound of the index (thesis 8.2.3), which the Poincare sum makes smaller (tightened).
 //
 //   IndexPair pair{...};                      // exit_set.h
 //   const ConleyIndex index = conleyIndex(mesh, sets, s, pair);
@@ -60,5 +60,9 @@ struct IndexPair {
 
 /// The index of one of the sets.
 ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index set, const IndexPair& pair);
+
+/// The least upper bound of the indices up to `bound` with b0 - b1 + b2 = euler, as the sum of the Poincare indices
+/// asks for; the bound itself when there are none.
+ConleyIndex tightened(const ConleyIndex& bound, int euler);
 
 }  // namespace stormfield

@@ -31,6 +31,13 @@ FaceSets chosen(const FaceSets& sets, const std::vector<char>& isChosen) {
   return {std::move(setOf), count};
 }
 
+bool meetsBoundary(const TriangleMesh& mesh, const std::vector<Index>& faces) {
+  return std::any_of(faces.begin(), faces.end(), [&](Index f) {
+    return mesh.isBoundaryVertex(mesh.vertex(f, 0)) || mesh.isBoundaryVertex(mesh.vertex(f, 1)) ||
+           mesh.isBoundaryVertex(mesh.vertex(f, 2));
+  });
+}
+
 std::vector<MorseSet> indexed(const VectorField& field, const CombinatorialMap& map, const std::vector<char>& mapped,
                               const FaceSets& faces, const Progress& progress) {
   const std::vector<int> poincare = poincareIndices(field);
@@ -72,8 +79,12 @@ MorseSet morseSet(const VectorField& field, const CombinatorialMap& map, const s
   }
   const IndexPair pair = result.upperBound ? mapPair(field, map, faces, set) : flowPair(field, map, faces, set);
   result.index = conleyIndex(field.mesh(), faces, set, pair);
-  result.kind = kindOf(result.index);
   if (!result.upperBound) result.grazings = grazings(field, faces, set);
+  // At the boundary of the surface the sum of the Poincare indices says less.
+  if (result.upperBound && !meetsBoundary(field.mesh(), faces.faces(set))) {
+    result.index = tightened(result.index, result.poincare);
+  }
+  result.kind = kindOf(result.index);
   return result;
 }
 

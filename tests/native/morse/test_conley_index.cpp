@@ -145,6 +145,24 @@ TEST(ConleyIndex, CornersThatTouchAreApartOrTogether) {
   EXPECT_EQ(indexOf(*mesh, inside, none, Corners::Together), (ConleyIndex{1, 0, 0}));
 }
 
+TEST(ConleyIndex, UpperBoundsAreTightenedByThePoincareSum) {
+  for (int b = 0; b < 64; ++b) {
+    const ConleyIndex bound{b % 4, b / 4 % 4, b / 16};
+    for (int euler = -5; euler <= 7; ++euler) {
+      ConleyIndex wanted;
+      bool possible = false;
+      for (int i = 0; i < 64; ++i) {
+        const ConleyIndex index{i % 4, i / 4 % 4, i / 16};
+        const bool below = index.b0 <= bound.b0 && index.b1 <= bound.b1 && index.b2 <= bound.b2;
+        if (!below || index.euler() != euler) continue;
+        possible = true;
+        wanted = {std::max(wanted.b0, index.b0), std::max(wanted.b1, index.b1), std::max(wanted.b2, index.b2)};
+      }
+      EXPECT_EQ(tightened(bound, euler), possible ? wanted : bound);
+    }
+  }
+}
+
 // Against the ranks of the boundary matrices --------------------------------------------------------------------------
 
 int rankMod2(std::vector<std::vector<char>> rows) {
