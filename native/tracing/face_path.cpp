@@ -12,7 +12,7 @@ using Pair = Eigen::Array2d;
 using Nodes = Eigen::Array4d;
 using Lanes = Eigen::Array4f;
 
-constexpr int kOrder = 8, kMoments = 6;
+constexpr int kOrder = 8, kMoments = 6, kFewMoments = 4;
 /// Barycentric distance from a vertex below which a path is not plain.
 constexpr double kPlain = 1e-6;
 constexpr int kMostAttempts = 4, kMostPasses = 4, kMostIterations = 4;
@@ -191,14 +191,16 @@ bool findBend(const Corners& corners, const AffinePath& path, const Nodes& nodeA
   Nodes rateA = kWeights * rate.x.cast<double>(), rateB = kWeights * rate.y.cast<double>();
   const Nodes left = t * (1.0 - kPoints);
   // The exponential of the Jacobian, by its first terms.
+  const int kept = stretch < 0.25 ? kFewMoments : kMoments;
   std::array<Pair, kMoments> moments;
-  for (int k = 0; k < kMoments; ++k) {
+  for (int k = 0;; ++k) {
     moments[k] = {rateA.sum(), rateB.sum()};
+    if (k + 1 == kept) break;
     rateA *= left * (1.0 / (k + 1));
     rateB *= left * (1.0 / (k + 1));
   }
-  Pair sum = moments[kMoments - 1];
-  for (int k = kMoments - 1; k-- > 0;) sum = moments[k] + path.jacobian(sum);
+  Pair sum = moments[kept - 1];
+  for (int k = kept - 1; k-- > 0;) sum = moments[k] + path.jacobian(sum);
   bend.displacement = t * sum;
   bend.x = correction.x.cast<double>();
   bend.y = correction.y.cast<double>();
@@ -207,7 +209,8 @@ bool findBend(const Corners& corners, const AffinePath& path, const Nodes& nodeA
   bend.first = Complex(correction.x[0], correction.y[0]);
   bend.last = Complex(correction.x[3], correction.y[3]);
   const double cubed = stretch * stretch * stretch;
-  bend.error = t * (missing + ruleError(nearness) * cubicPart(correction) + 2e-4 * size * cubed * cubed);
+  const double leftOut = kept == kMoments ? cubed * cubed / 5040.0 : cubed * stretch / 120.0;
+  bend.error = t * (missing + ruleError(nearness) * cubicPart(correction) + size * leftOut);
   return true;
 }
 
