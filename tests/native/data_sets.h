@@ -18,7 +18,7 @@ struct SampledSurface {
 
 /// A .t file: "faces vertices", then triangles, positions and vectors row by row. None where it is absent.
 inline std::optional<SampledSurface> dataSet(const std::string& name) {
-  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  const auto root = std::filesystem::path(__FILE__).lexically_normal().parent_path().parent_path().parent_path();
   std::ifstream file(root.parent_path() / "shared" / "data" / name);
   if (!file) return std::nullopt;
   Eigen::Index faces = 0, vertices = 0;
