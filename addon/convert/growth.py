@@ -3,6 +3,8 @@
 Curves grow by their point attribute `time` (seconds of the scene), or change by their curve attribute `frame`.
 """
 
+from typing import Any
+
 import bpy
 
 from .. import compat
@@ -28,7 +30,7 @@ def show_by_frame(curves: bpy.types.Object, first: int, last: int) -> None:
 
 
 def _modifier(curves: bpy.types.Object, group: bpy.types.NodeTree) -> bpy.types.NodesModifier:
-    modifier = curves.modifiers.get(MODIFIER) or curves.modifiers.new(MODIFIER, "NODES")
+    modifier: Any = curves.modifiers.get(MODIFIER) or curves.modifiers.new(MODIFIER, "NODES")
     if modifier.node_group != group:
         modifier.node_group = group
     return modifier
@@ -39,7 +41,7 @@ def _identifier(modifier: bpy.types.NodesModifier, name: str) -> str:
 
 
 def _new_group(name: str, inputs: dict[str, str]) -> tuple[bpy.types.NodeTree, bpy.types.Node, bpy.types.Node]:
-    group = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    group: Any = bpy.data.node_groups.new(name, "GeometryNodeTree")
     group.is_modifier = True
     group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
     for socket, kind in inputs.items():

@@ -100,7 +100,10 @@ def test_analyze(capsys, sphere, tmp_path):
     status, out, _ = run(capsys, "analyze", sphere, "--json", tmp_path / "a.json")
     content = json.loads((tmp_path / "a.json").read_text())
     assert (status, out) == (0, "")
-    assert content.keys() == {"schema", "mesh", "lam", "fixed_points", "index_sum", "seconds"}
+    assert content.keys() == {
+        *("schema", "mesh", "lam", "seconds", "index_sum", "boundary_index_sum", "zero_regions"),
+        *("fixed_points", "boundary_points", "periodic_orbits", "separatrices", "links"),
+    }
     assert content["mesh"].keys() == MESH_KEYS
     assert content["index_sum"] == sum(point["index"] for point in content["fixed_points"]) == 2
     found = {point["kind"]: point["position"] for point in content["fixed_points"]}
