@@ -18,6 +18,7 @@ constexpr double kNearest = 3e-4;     ///< first distance at which an orbit's si
 constexpr double kPiece = 0.1;        ///< orbits farther from each other than this are told apart for sure
 constexpr double kFarthest = 1.0;     ///< and last distance
 constexpr double kBand = 0.5;         ///< distance at which a band of closed streamlines shows
+constexpr double kHyperbolic = 0.1;   ///< logarithm of a multiplier that is away from 1 for sure
 constexpr int kMostPieces = 24;
 /// Edges in a row with the candidate's own that are searched, and around an orbit's best section.
 constexpr int kBeyond = 2, kBeyondBest = 1;
@@ -222,14 +223,19 @@ void OrbitSearch::lookAround(const Candidate& candidate, FoundOrbit& found) cons
   if (loops == found.loops && tells(left) && tells(right)) {
     found.orbit.multiplier = std::sqrt(*left.growth * *right.growth);
   }
-  const SideFlow known = left.flow == SideFlow::Unknown ? right.flow : left.flow;
+  // An orbit with a multiplier away from 1 does the same on both sides, whatever round-off makes of the nearest ones.
+  if (!left.closed && !right.closed && std::abs(std::log(orbit.multiplier)) > kHyperbolic) {
+    found.sides.fill(orbit.multiplier < 1.0 ? SideFlow::Attracted : SideFlow::Repelled);
+  }
+  const SideFlow known = found.sides[0] == SideFlow::Unknown ? found.sides[1] : found.sides[0];
   if (left.closed && right.closed && known != SideFlow::Unknown) {
     orbit.kind = OrbitKind::Center;
     found.sides = {SideFlow::Closed, SideFlow::Closed};
   } else if (known == SideFlow::Unknown) {
     const bool forwards = candidate.direction == Direction::Forward;
     orbit.kind = forwards ? OrbitKind::Attracting : OrbitKind::Repelling;
-  } else if (left.flow == right.flow || right.flow == SideFlow::Unknown || left.flow == SideFlow::Unknown) {
+  } else if (found.sides[0] == found.sides[1] || found.sides[0] == SideFlow::Unknown ||
+             found.sides[1] == SideFlow::Unknown) {
     orbit.kind = known == SideFlow::Attracted ? OrbitKind::Attracting : OrbitKind::Repelling;
   }
 }
