@@ -88,7 +88,8 @@ def test_it_installs_works_and_writes_nothing_into_itself(extension, tmp_path):
         assert "sf_advection" in bpy.context.object.evaluated_get(
             bpy.context.evaluated_depsgraph_get()).data.attributes
         assert bpy.ops.stormfield.morse_sets() == {{"FINISHED"}}
-        assert len(bpy.context.object.stormfield.analysis.mcg_tree.nodes) > 1
+        assert bpy.ops.stormfield.analyze() == {{"FINISHED"}}
+        assert len(bpy.context.object.stormfield.analysis.ecg_tree.nodes) > 1
         assert list(pathlib.Path({str(tmp_path)!r}).glob("**/site-packages/igraph")), "igraph was not unpacked"
         scene = bpy.context.scene
         scene.frame_end = 2
