@@ -23,7 +23,7 @@
 namespace stormfield {
 
 struct RefinementOptions {
-  TauMapOptions map;  ///< unit and accuracy of the tau maps
+  TauMapOptions map = {};  ///< unit and accuracy of the tau maps
   /// Tau of a set's first step and the largest one; none: to cross so many edges at the mean speed within the set.
   std::optional<double> tauMin{}, tauMax{};
   double edgesMin = 4.0, edgesMax = 256.0;

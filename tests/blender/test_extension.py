@@ -98,7 +98,9 @@ def test_it_installs_works_and_writes_nothing_into_itself(extension, tmp_path):
         assert before == sorted(str(p) for p in folder.rglob("*") if "__pycache__" not in str(p))
         addon_utils.disable("bl_ext.test.stormfield")
         assert not hasattr(bpy.types.Object, "stormfield")
-        print("INSTALLED")
+        print("INSTALLED", flush=True)
+        import os
+        os._exit(0)  # bpy 4.5 may never return from its destructors
     """)
     home = {"BLENDER_USER_RESOURCES": str(tmp_path / "user"), "HOME": str(tmp_path), "PATH": os.environ["PATH"]}
     # A clean environment: the extension brings its own core.
