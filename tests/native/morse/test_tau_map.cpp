@@ -69,8 +69,8 @@ std::vector<NamedSurface> allSurfaces() {
   for (auto& s : boundedSurfaces()) all.push_back(std::move(s));
   return all;
 }
-INSTANTIATE_TEST_SUITE_P(Surfaces, TauMapOnSurfaces, testing::ValuesIn(allSurfaces()), [](const auto& info) {
-  std::string name = info.param.name;
+INSTANTIATE_TEST_SUITE_P(Surfaces, TauMapOnSurfaces, testing::ValuesIn(allSurfaces()), [](const auto& shown) {
+  std::string name = shown.param.name;
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 });
