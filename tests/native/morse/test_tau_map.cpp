@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <numeric>
 #include <thread>
 
 #include "base/error.h"
@@ -19,22 +20,24 @@ bool leadsTo(const CombinatorialMap& map, Index from, Index to) {
   return std::binary_search(map.graph.begin(from), map.graph.end(from), to);
 }
 
-/// Random points of random faces, traced finely, that do not end in F of their face.
+/// Random points of random faces (of those asked for, or all), traced finely, that do not end in F of their face.
 int escapes(const FlatFaces& faces, const VectorField& field, const CombinatorialMap& map, TauUnit unit, double tau,
-            int tries) {
+            int tries, const std::vector<Index>& asked = {}) {
   const TauFlow flow(faces, field, unit, 1e-8);
   const auto mover = flow.mover(Direction::Forward, nullptr);
   Random random(11);
   int count = 0;
   for (int i = 0; i < tries; ++i) {
-    const SurfacePoint p{random.below(field.mesh().faceCount()), random.barycentric()};
+    const Index face =
+        asked.empty() ? random.below(field.mesh().faceCount()) : asked[random.below(static_cast<Index>(asked.size()))];
+    const SurfacePoint p{face, random.barycentric()};
     const Arrival end = mover->move(p, tau);
     count += !leadsTo(map, p.face, end.left ? map.outside() : end.point.face);
   }
   return count;
 }
 
-/// More with STORMFIELD_LONG_TESTS set to a factor: 500 makes 10^7 of them on the gas engine.
+/// More with STORMFIELD_LONG_TESTS set to a factor: 5000 makes 10^7 of them on the gas engine.
 int tries(int normal) {
   const char* factor = std::getenv("STORMFIELD_LONG_TESTS");
   return normal * (factor == nullptr ? 1 : std::max(1, std::atoi(factor)));
@@ -80,8 +83,17 @@ TEST(TauMap, EnclosesTheImagesOfTheGasEngine) {
   if (!data) GTEST_SKIP() << "the data set gasEngineV.t is not at hand";
   const VectorField field = fieldOn(*data);
   const FlatFaces faces(field.charts);
-  const CombinatorialMap map = tauMap(faces, field, 5e-4);
-  EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, 5e-4, tries(20000)), 0);
+  const double tau = 3e-4;
+  std::vector<double> taus(field.mesh().faceCount(), 0.0);
+  std::vector<Index> asked(taus.size());
+  std::iota(asked.begin(), asked.end(), 0);
+  if (tries(1) == 1) {  // a few of the faces
+    for (Index f = 0; f < 100; ++f) asked[f] = 263 * f;
+    asked.resize(100);
+  }
+  for (const Index f : asked) taus[f] = tau;
+  const CombinatorialMap map = tauMap(faces, field, taus);
+  EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, tries(2000), asked), 0);
 }
 
 TEST(TauMap, MovesAGridByAConstantField) {
@@ -123,7 +135,7 @@ TEST(TauMap, ASinkDrawsEverythingTogetherAndASourceSpreadsIt) {
 }
 
 TEST(TauMap, IsTheSameForAnyNumberOfThreads) {
-  const auto charts = makeCharts(bumpySphere(3));
+  const auto charts = makeCharts(bumpySphere(2));
   const FlatFaces faces(charts);
   const VectorField field = smoothField(charts);
   const CombinatorialMap many = tauMap(faces, field, 0.3);
@@ -148,7 +160,7 @@ TEST(TauMap, RowsDependOnTheirOwnTauOnly) {
 }
 
 TEST(TauMap, TakesAtMost64BytesForAnEdge) {
-  const auto charts = makeCharts(icosphere(5));
+  const auto charts = makeCharts(icosphere(3));
   const FlatFaces faces(charts);
   const VectorField field = smoothField(charts);
   TauWork work;
@@ -183,7 +195,7 @@ TEST(TauMap, RefusesWhatItCannotUse) {
 
 TEST(TauMap, NamesTheLargestTauThatFitsIntoMemory) {
   // Shear around a torus draws images out, the longer the farther.
-  const auto charts = makeCharts(torus(40, 20));
+  const auto charts = makeCharts(torus(10, 6));
   const FlatFaces faces(charts);
   Points vectors(charts->mesh().vertexCount(), 3);
   for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
@@ -192,17 +204,17 @@ TEST(TauMap, NamesTheLargestTauThatFitsIntoMemory) {
   }
   const VectorField shear = fromSpace(charts, vectors);
   TauMapOptions options;
-  options.memoryLimit = 420000;
+  options.memoryLimit = 26000;
   EXPECT_NO_THROW(tauMap(faces, shear, 0.01, options));
   try {
-    tauMap(faces, shear, 12.0, options);
+    tauMap(faces, shear, 4.0, options);
     FAIL() << "it fits";
   } catch (const InputError& e) {
     const std::string text = e.what(), before = "the largest tau that fits is about ";
     ASSERT_NE(text.find(before), std::string::npos) << text;
     const double largest = std::stod(text.substr(text.find(before) + before.size()));
     EXPECT_GT(largest, 0.01);
-    EXPECT_LT(largest, 12.0);
+    EXPECT_LT(largest, 4.0);
     EXPECT_NO_THROW(tauMap(faces, shear, 0.9 * largest, options)) << largest;
   }
 }
@@ -225,7 +237,7 @@ TEST(TauMap, FieldsWithZeroVectorsAreEnclosed) {
     const auto charts = makeCharts(s);
     const FlatFaces faces(charts);
     const VectorField field = randomIntegerField(charts, 4);
-    const double tau = startingTau(field, TauUnit::Time, 1.0);
+    const double tau = startingTau(field, TauUnit::Time, 0.5);
     const CombinatorialMap map = tauMap(faces, field, tau);
     EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, 2000), 0);
   }
@@ -242,7 +254,7 @@ TEST(TauMap, WorksOnASingleTriangle) {
 }
 
 TEST(TauMap, StopsWhenCancelled) {
-  const auto charts = makeCharts(icosphere(4));
+  const auto charts = makeCharts(icosphere(3));
   const FlatFaces faces(charts);
   const VectorField field = smoothField(charts);
   for (const double part : {0.0, 0.01, 0.1, 0.5, 0.9}) {
@@ -251,7 +263,7 @@ TEST(TauMap, StopsWhenCancelled) {
       while (progress.fraction() < part) std::this_thread::yield();
       progress.cancel();
     });
-    EXPECT_THROW(tauMap(faces, field, 2.0, {}, &progress), Cancelled) << part;
+    EXPECT_THROW(tauMap(faces, field, 1.0, {}, &progress), Cancelled) << part;
     watcher.join();
   }
 }
