@@ -115,6 +115,13 @@ int piecesWithinExit(Complex2& n, const IndexPair& pair) {
   return count;
 }
 
+/// A least triple from this one on with b0 - b1 + b2 = euler.
+ConleyIndex raised(ConleyIndex index, int euler) {
+  index.b1 += std::max(0, index.euler() - euler);
+  while (index.euler() < euler) ++(index.b2 <= index.b0 ? index.b2 : index.b0);
+  return index;
+}
+
 }  // namespace
 
 MorseKind kindOf(const ConleyIndex& index) {
@@ -153,10 +160,10 @@ ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index se
   return {b0, b0 + b2 - (n.euler() - l.euler), b2};
 }
 
-ConleyIndex tightened(const ConleyIndex& bound, int euler) {
+ConleyIndex agreeing(const ConleyIndex& bound, int euler) {
   const ConleyIndex result{std::min(bound.b0, bound.b1 + euler), std::min(bound.b1, bound.b0 + bound.b2 - euler),
                            std::min(bound.b2, bound.b1 + euler)};
-  return std::min({result.b0, result.b1, result.b2}) < 0 ? bound : result;
+  return std::min({result.b0, result.b1, result.b2}) < 0 ? raised(bound, euler) : result;
 }
 
 }  // namespace stormfield

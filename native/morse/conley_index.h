@@ -9,8 +9,11 @@
 // With a geometry-based map N is an isolating block: all its boundary edges are crossed one way. The flow grazes N from
 // outside only, so that corners of N that merely touch are apart: at a vertex where two fans of N meet, each has a copy
 // of it. The index is then exact, and b0 - b1 + b2 is the sum of the Poincare indices inside (less the grazings of
-// exit_set.h at the surface's own boundary). With a tau map, N and L are closed unions of faces and the numbers are an
-// upper bound of the index (thesis 8.2.3), which the Poincare sum makes smaller (tightened).
+// exit_set.h at the surface's own boundary).
+//
+// With a tau map, N and L are closed unions of faces and the numbers are an upper bound of the index (thesis 8.2.3) as
+// long as F encloses the flow. The Poincare sum, which is exact, makes it smaller; and where the bound leaves no index
+// with that sum, F has missed edges (tau_map.h) and the sum makes it larger (agreeing).
 //
 //   IndexPair pair{...};                      // exit_set.h
 //   const ConleyIndex index = conleyIndex(mesh, sets, s, pair);
@@ -61,8 +64,9 @@ struct IndexPair {
 /// The index of one of the sets.
 ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index set, const IndexPair& pair);
 
-/// The least upper bound of the indices up to `bound` with b0 - b1 + b2 = euler, as the sum of the Poincare indices
-/// asks for; the bound itself when there are none.
-ConleyIndex tightened(const ConleyIndex& bound, int euler);
+/// An upper bound that agrees with the sum of the Poincare indices, `euler`: the least upper bound of the indices up to
+/// `bound` with b0 - b1 + b2 = euler. Where there are none, exits are missing from L: a least triple from `bound` on
+/// with that sum, b2 raised before b0, since missing exits make b2 too small and never b0.
+ConleyIndex agreeing(const ConleyIndex& bound, int euler);
 
 }  // namespace stormfield

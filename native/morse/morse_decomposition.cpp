@@ -82,7 +82,7 @@ MorseSet morseSet(const VectorField& field, const CombinatorialMap& map, const s
   if (!result.upperBound) result.grazings = grazings(field, faces, set);
   // At the boundary of the surface the sum of the Poincare indices says less.
   if (result.upperBound && !meetsBoundary(field.mesh(), faces.faces(set))) {
-    result.index = tightened(result.index, result.poincare);
+    result.index = agreeing(result.index, result.poincare);
   }
   result.kind = kindOf(result.index);
   return result;

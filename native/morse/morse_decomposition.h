@@ -37,7 +37,9 @@ struct MorseSet {
   ConleyIndex index;  ///< exact, or an upper bound
   MorseKind kind = MorseKind::Trivial;
   bool upperBound = false;  ///< whether the index is an upper bound, as with tau maps (thesis 8.2.3)
-  int poincare = 0;         ///< sum of the Poincare indices of its faces: b0 - b1 + b2 where the index is exact
+  /// Sum of the Poincare indices of its faces: b0 - b1 + b2, except at the boundary of the surface, where it is that
+  /// less grazings for an exact index, and nothing is known for an upper bound.
+  int poincare = 0;
   int grazings = 0;         ///< exit_set.h; 0 except at the boundary of the surface
   /// Least epsilon at which it merges with another set (persistence.h), mesh units per second; infinite where it never
   /// does or none was asked for.

@@ -354,6 +354,36 @@ TEST(MorseDecomposition, OfSeveralComponents) {
   }
 }
 
+TEST(MorseDecomposition, BoundsOfMapsThatMissEdgesStillAgreeWithThePoincareSum) {
+  for (const double sign : {-1.0, 1.0}) {
+    const auto charts = makeCharts(grid(6));
+    const TriangleMesh& mesh = charts->mesh();
+    Points vectors = mesh.points();
+    for (Index v = 0; v < mesh.vertexCount(); ++v) {
+      vectors.row(v) = Vec3(mesh.point(v).x() - 0.03, sign * (mesh.point(v).y() + 0.05), 0.0);
+    }
+    const VectorField field = fromSpace(charts, vectors);
+    const std::vector<int> poincare = poincareIndices(field);
+    const auto saddle = static_cast<Index>(
+        std::find_if(poincare.begin(), poincare.end(), [](int i) { return i != 0; }) - poincare.begin());
+    for (Index other = 0; other < mesh.faceCount(); ++other) {
+      // The face of the fixed point leads to itself and to one other face alone.
+      CombinatorialMap map;
+      auto& [offsets, targets] = map.graph;
+      targets = {std::min(saddle, other), std::max(saddle, other)};
+      if (other == saddle) targets.pop_back();
+      for (Index f = 0; f <= mesh.faceCount(); ++f) offsets.push_back(f < saddle ? 0 : targets.size());
+      Progress progress;
+      const MorseDecomposition morse =
+          morseDecomposition(field, map, {std::vector<char>(mesh.faceCount(), 1), {}, false}, progress);
+      ASSERT_EQ(morse.sets.size(), 1U);
+      EXPECT_TRUE(morse.sets[0].upperBound);
+      EXPECT_EQ(morse.sets[0].poincare, static_cast<int>(sign));
+      EXPECT_EQ(morse.sets[0].index.euler(), morse.sets[0].poincare) << "face " << other;
+    }
+  }
+}
+
 TEST(MorseDecomposition, RefusesWhatDoesNotFit) {
   const VectorField field = randomField(makeCharts(grid(3)), 1);
   const CombinatorialMap other = geometryMap(randomField(makeCharts(grid(4)), 1));

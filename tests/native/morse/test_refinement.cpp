@@ -85,6 +85,15 @@ TEST(Refinement, SeparatesASaddleFromItsSinks) {
   EXPECT_EQ(saddles, 1);
 }
 
+TEST(Refinement, IndicesAgreeWithThePoincareSumsUpToVeryLargeTau) {
+  for (const double edgesMax : {64.0, 512.0}) {
+    const auto field = twoSinks(16);
+    MorseRefinement refinement(flatFaces(*field), field, {.edgesMax = edgesMax});
+    refinement.refine();
+    for (const MorseSet& set : refinement.indices()) EXPECT_EQ(set.index.euler(), set.poincare) << edgesMax;
+  }
+}
+
 TEST(Refinement, KeepsLimits) {
   const auto field = twoSinks(14);
   MorseRefinement none(flatFaces(*field), field, {.maximalSteps = 0});
