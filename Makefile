@@ -7,6 +7,9 @@ SHELL := /bin/bash
 .DELETE_ON_ERROR:
 JOBS ?= $(shell nproc)
 PYTHON := .venv/bin/python
+# Clones in different places share what ccache holds.
+export CCACHE_BASEDIR := $(CURDIR)
+export CCACHE_NOHASHDIR := 1
 ENVIRONMENTS = $(shell scripts/environments.sh list)
 
 core_sources := $(shell find native cmake CMakeLists.txt CMakePresets.json -type f)

@@ -1,6 +1,7 @@
 #include <cstdlib>
 
 #include "fixtures.h"
+#include "long_tests.h"
 #include "storm_checks.h"
 
 namespace stormfield {
@@ -60,7 +61,7 @@ RandomDesign randomDesign(Random& random) {
 
 TEST(Storms, AreTwoBeforeAndOneAfterInRandomDesigns) {
   const char* wanted = std::getenv("STORMFIELD_RANDOM_STORMS");
-  const int count = wanted != nullptr ? std::atoi(wanted) : 6;
+  const int count = wanted != nullptr ? std::atoi(wanted) : test::shortOrLong(2, 6);
   Random dice(20091);
   for (int i = 0; i < count; ++i) {
     const RandomDesign design = randomDesign(dice);

@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "long_tests.h"
 #include "storm_checks.h"
 
 namespace stormfield {
@@ -81,7 +82,7 @@ TEST(Resolution, SamplesOfLambdaAloneConverge) {
 TEST(Resolution, StormsStayOnTheirPaths) {
   const auto all = design();
   const std::vector<DesignElement> storms(all.begin(), all.begin() + 3);
-  Index n = 8, samples = 26;
+  Index n = test::shortOrLong(6, 8), samples = test::shortOrLong(15, 26);
   for (int level = 0; level < 3; ++level, n *= 2, samples = 2 * samples - 1) {
     const auto result = solved(surfaces::sphere(n), all, samples);
     for (Index j = 0; j < samples; j += 1 << level) checkSample(result, storms, j, 0.6, true);

@@ -1,6 +1,7 @@
 #include "storm_checks.h"
 
 #include "design/junction.h"
+#include "long_tests.h"
 
 namespace stormfield {
 namespace {
@@ -46,7 +47,7 @@ TEST(Storms, SplitOnTheSphere) {
 TEST(Storms, MergeAndSplitOnABumpySphere) {
   auto elements = onTheSphere(SingularKind::VortexCw);
   for (DesignElement& e : elements) e.radius = 0.4;
-  const auto charts = bumpySphere(18);
+  const auto charts = bumpySphere(test::shortOrLong(14, 18));
   checkMerge(solved(charts, elements, 40), elements, 0.6);
   const auto backwards = reversed(elements);
   checkMerge(solved(charts, backwards, 40), backwards, 0.4, false);
@@ -62,7 +63,8 @@ TEST(Storms, MergeOnATorus) {
 
 TEST(Storms, MergeOnASquareWithBoundary) {
   const auto elements = merge(SingularKind::VortexCcw, {-0.6, 0.2, 0}, {0.5, -0.3, 0}, {0, 0, 0}, {0.1, 0.3, 0}, 0.4);
-  checkMerge(solved(surfaces::square(40, 0.2), elements, 60), elements, 0.6);
+  checkMerge(solved(surfaces::square(test::shortOrLong(28, 40), 0.2), elements, test::shortOrLong(40, 60)), elements,
+             0.6);
 }
 
 TEST(Storms, OneMayWaitForTheOther) {
@@ -136,7 +138,7 @@ TEST(Storms, SmallerThanTheMeshBecomesThreeConstraints) {
 
 // At the meeting point itself the zeros of a pair give way to one zero, in a disc of a few edges.
 TEST(Storms, NothingJumpsInLambda) {
-  const auto charts = surfaces::sphere(24);
+  const auto charts = surfaces::sphere(test::shortOrLong(16, 24));
   const TriangleMesh& mesh = charts->mesh();
   const auto elements = onTheSphere(SingularKind::VortexCcw);
   const double speed = elements[0].strength * mesh.size();
@@ -149,8 +151,9 @@ TEST(Storms, NothingJumpsInLambda) {
           largest = std::max(largest, std::abs(result.field.sample(j + 1)[v] - result.field.sample(j)[v]) / speed);
     return largest;
   };
-  const double coarse = largestChange(40), fine = largestChange(160);
-  std::printf("largest change between samples, in speeds: %.3f at 40, %.3f at 160 samples\n", coarse, fine);
+  const Index coarseSamples = test::shortOrLong(25, 40);
+  const double coarse = largestChange(coarseSamples), fine = largestChange(4 * coarseSamples);
+  std::printf("largest change between samples, in speeds: %.3f, with four times the samples %.3f\n", coarse, fine);
   EXPECT_LT(fine, 0.5 * coarse);
 }
 

@@ -12,7 +12,8 @@
 
 namespace stormfield {
 
-/// Generous for a machine that does much else; the work itself takes longer than this, or is cancelled in many places.
+/// Generous for a machine that does much else. The work itself takes longer than this under sanitizers and in long
+/// tests, or is cancelled in many places.
 constexpr double kSoon = 0.5;
 
 /// Seconds from cancelling at that fraction of work(progress) until it throws Cancelled.
@@ -21,7 +22,7 @@ double secondsToStop(double fraction, const Work& work) {
   Progress progress;
   auto running = std::async(std::launch::async, [&] { work(progress); });
   while (progress.fraction() < fraction && running.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-    std::this_thread::yield();
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
   const auto start = std::chrono::steady_clock::now();
   progress.cancel();

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "io/flow_map.h"
 #include "io/stopping.h"
+#include "long_tests.h"
 
 namespace stormfield {
 namespace {
@@ -95,8 +96,9 @@ TEST(FlowMap, SixteenBitsRefuseWhatTheyCannotHold) {
 
 TEST(FlowMap, StopsSoonWhileItDrawsAndCompresses) {
   const Plane plane;
+  const Index side = test::shortOrLong(1024, 2048);
   const VectorField field = plane.constant(plane.a);
-  const UvRaster raster = rasterizeUv(plane.charts->mesh(), plane.uvs, {2048, 2048, 0});
+  const UvRaster raster = rasterizeUv(plane.charts->mesh(), plane.uvs, {side, side, 0});
   const auto draw = [&](Progress* p) { return flowMap(field, plane.uvs, raster, FlowMapBasis::Uv, p); };
   for (const double fraction : {0.0, 0.3}) {
     EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { draw(&p); }), kSoon);

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "io/stopping.h"
 #include "io/uv_raster.h"
+#include "long_tests.h"
 
 namespace stormfield {
 namespace {
@@ -130,8 +131,9 @@ TEST(UvRaster, TheResultDoesNotDependOnTheThreadCount) {
 
 TEST(UvRaster, StopsSoonInEveryPhase) {
   const Sheet s = sheet(30, 0.7);
+  const Index side = test::shortOrLong(1024, 2048);
   for (const double fraction : {0.0, 0.2, 0.4, 0.51, 0.6, 0.8}) {
-    EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { rasterizeUv(s.mesh, s.uvs, {2048, 2048, 16}, &p); }), kSoon);
+    EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { rasterizeUv(s.mesh, s.uvs, {side, side, 16}, &p); }), kSoon);
   }
 }
 

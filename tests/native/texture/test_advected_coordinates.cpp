@@ -5,6 +5,7 @@
 
 #include "../tracing/surfaces.h"
 #include "base/error.h"
+#include "long_tests.h"
 #include "texture/stagger.h"
 
 namespace stormfield {
@@ -80,10 +81,10 @@ TEST(AdvectedCoordinates, RotationOfASphereTurnsThemBack) {
 
 TEST(AdvectedCoordinates, MoveContinuouslyFromFrameToFrame) {
   // What is visible at a vertex moves by about the speed per frame; a jump only happens where its weight is zero.
-  const Scene scene = stormy();
+  const Scene scene = stormy(test::shortOrLong(6, 10));
   const AdvectedCoordinates coordinates = scene.coordinates({.period = 24.0});
   AdvectedFrame before = coordinates.frame(40.0);
-  for (int f = 41; f < 70; ++f) {
+  for (int f = 41; f < 66; ++f) {
     const AdvectedFrame now = coordinates.frame(f);
     for (Index v = 0; v < scene.charts->mesh().vertexCount(); ++v) {
       const double jumpA = (row(now.phaseA, v) - row(before.phaseA, v)).norm();
@@ -97,11 +98,11 @@ TEST(AdvectedCoordinates, MoveContinuouslyFromFrameToFrame) {
 }
 
 TEST(AdvectedCoordinates, NoTriangleShowsOnePhaseAtTwoCycles) {
-  for (const Index n : {2, 5, 16}) {
+  for (const Index n : {2, 5, test::shortOrLong(10, 16)}) {
     const Scene scene = stormy(n);
     const TriangleMesh& mesh = scene.charts->mesh();
     const AdvectedCoordinates coordinates = scene.coordinates({.period = 24.0});
-    for (int f = 0; f < 48; f += 3) {
+    for (int f = 0; f < 48; f += test::shortOrLong(5, 3)) {
       const AdvectedFrame frame = coordinates.frame(f);
       for (Index t = 0; t < mesh.faceCount(); ++t) {
         for (const double shift : {0.0, 0.5}) {
@@ -141,7 +142,7 @@ TEST(AdvectedCoordinates, EveryFrameStandsForItself) {
 
 TEST(AdvectedCoordinates, ErrorIsFarBelowAnEdge) {
   const Scene scene = stormy();
-  const CarriedError error = scene.coordinates({}).error(60.0);
+  const CarriedError error = scene.coordinates({}).error(60.0, test::shortOrLong(150, 1000));
   EXPECT_LT(error.mean, 1e-3);
   EXPECT_LT(error.largest, 0.05);
   EXPECT_GT(error.meanBetween, error.mean);
