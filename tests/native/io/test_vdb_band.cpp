@@ -142,7 +142,7 @@ TEST(VdbBand, StopsSoonInEveryPhase) {
   const auto charts = sphere(32);
   const ClosestPointQuery query(charts->meshPointer());
   const VectorField field = rotation(charts);
-  const VdbBandOptions fine{test::shortOrLong(0.03, 0.015), 4.0};
+  const VdbBandOptions fine{test::shortOrLong(0.04, 0.015), 4.0};
   for (const double fraction : {0.0, 0.1, 0.3, 0.5, 0.6, 0.75}) {
     EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { VdbBand(charts->meshPointer(), query, fine, &p); }), kSoon);
   }
