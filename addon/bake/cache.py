@@ -71,7 +71,8 @@ class _Writer:
         return self._store.missing(among)
 
     def write_sample(self, index: int, attributes: Attributes) -> None:
-        """Arrays (n, 3) or (n,) per attribute, one row per vertex, finite; stored as float32."""
+        """Arrays per attribute: (n, 3) or (n,), a row per vertex, finite, stored as float32; or integers (f,), one per
+        polygon."""
         for name, values in attributes.items():
             self._check(index, name, values)
         self._store.write(index, lambda path: usd.write_sample(path, self._time_codes[index], attributes))
@@ -94,6 +95,11 @@ class _Writer:
 
     def _check(self, index: int, name: str, values: np.ndarray) -> None:
         count = len(self._mesh.vertices)
+        if usd.per_polygon(values):
+            faces = len(self._mesh.triangles if self._polygons is None else self._polygons.counts)
+            if values.shape != (faces,):
+                raise InputError(f"{name} of sample {index} has shape {values.shape}; the mesh has {faces} polygons")
+            return
         if values.shape not in ((count,), (count, 3)):
             raise InputError(f"{name} of sample {index} has shape {values.shape}; the mesh has {count} vertices")
         if not np.isfinite(values).all():
@@ -193,18 +199,20 @@ class FieldCache:
             )
 
     def sample(self, index: int) -> dict[str, np.ndarray]:
-        """Attributes of one sample, float32."""
+        """Attributes of one sample, float32 per vertex, int32 per polygon."""
         return usd.read_sample(self._file(self.manifest.plan.names[index]))
 
     def at(self, time: float) -> dict[str, np.ndarray]:
-        """Attributes at λ (or a frame), linear between samples, constant outside."""
+        """Attributes at λ (or a frame), constant outside, between samples linear; integers as in the sample before."""
         times = self.times
         j = int(np.clip(np.searchsorted(times, time, side="right") - 1, 0, len(times) - 1))
         if j == len(times) - 1 or time <= times[j]:
             return self.sample(j)
         weight = np.float32((time - times[j]) / (times[j + 1] - times[j]))
         before, after = self.sample(j), self.sample(j + 1)
-        return {name: before[name] + weight * (after[name] - before[name]) for name in before}
+        return {
+            name: old if usd.per_polygon(old) else old + weight * (after[name] - old) for name, old in before.items()
+        }
 
     def values(self, attribute: str) -> np.ndarray:
         """All samples of one attribute: (s, n, 3) or (s, n)."""

@@ -1,7 +1,7 @@
 """The pipeline as generators of steps: the modal operator slices them, background mode and command line run through.
 
     steps = solve_steps(mesh, design, root, polygons)     # design → solve → λ cache; returns its folder
-    steps = bake_steps(task)                              # λ cache → frame cache, EXR, VDB; returns BakeResult
+    steps = bake_steps(task)                              # λ cache → frames, EXR, VDB, Morse; returns BakeResult
     for step in steps: show(step.fraction, step.message)  # step.waiting: the core works on its own threads, come back
 
     folder = run(steps)                                   # blocks, and returns what the generator returned
@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable, Generator, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from .store import sha256
 from .usd import Polygons
 from .vdb import BandWriter, VdbSettings
 
-TARGETS = ("usd", "exr", "vdb")
+TARGETS = ("usd", "exr", "vdb", "morse")
 #: Where a solve is solved, and where writing begins, in parts of the whole.
 SOLVED, WRITING = 0.75, 0.85
 #: Where a flow map or volume is made, and its file begins, in parts of the whole.
@@ -70,6 +70,20 @@ class FlowSettings:
 
 
 @dataclass(frozen=True)
+class MorseSettings:
+    """How the Morse sets over λ are found (morse.py): native.start_morse explains the options."""
+
+    attribute: str = fields.ADVECTION
+    method: str = "geometry"
+    tau: float | None = None  #: seconds, or mesh units for "spatial"; None: found from mesh and field
+    eps: float = 0.0  #: mean speeds
+
+    def options(self) -> dict[str, Any]:
+        """Of native.start_morse."""
+        return {"method": self.method, "tau": self.tau, "eps": self.eps, "relative": True}
+
+
+@dataclass(frozen=True)
 class BakeTask:
     """A bake over frames, read once from the scene. `frames` are all its frames, with λ at each; `only`, the part that
     this machine writes (None: all). Folders of the targets lie in root."""
@@ -86,6 +100,7 @@ class BakeTask:
     flow: FlowSettings = field(default_factory=FlowSettings)
     exr: ExrSettings = field(default_factory=ExrSettings)
     vdb: VdbSettings = field(default_factory=VdbSettings)
+    morse: MorseSettings = field(default_factory=MorseSettings)
     resume: bool = True
 
 
@@ -301,6 +316,28 @@ def _bake_vdb(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[T
     return folder, notes, writer.finish()
 
 
+def _bake_morse(task: BakeTask, cache: FieldCache, indices, baked_from) -> Steps[TargetResult]:
+    """Morse sets per face, as a λ cache of their own. Of several machines the one with the first frame writes them."""
+    from .morse import MorseSamples
+
+    settings = {"morse": vars(task.morse), "from": {name: baked_from[name] for name in ("field", "stormfield")}}
+    lambdas = cache.lambdas.tolist()
+    folder = task.root / _key("morse", Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(task.mesh), settings))
+    polygons = task.polygons or Polygons.of_triangles(task.mesh.triangles)
+    writer = FieldCacheWriter(folder, task.mesh, lambdas, settings, polygons=polygons, resume=task.resume, replace=True)
+    missing = yield from _missing(writer, range(len(lambdas)) if 0 in indices else ())
+    if missing:
+        morse = MorseSamples(cache, fields.native_mesh(task.mesh), task.morse)
+        for j in range(missing[-1] + 1):
+            message = f"Dividing the surface at sample {j + 1} of {len(lambdas)}"
+            parts = (part / (missing[-1] + 1) for part in (j, j + 1))
+            attributes = yield from _scaled(morse.steps(j, polygons, message), *parts)
+            if j in missing:
+                writer.write_sample(j, attributes)
+    yield Step(1.0, "Joining the samples")
+    return folder, [], writer.finish()
+
+
 def _prepare(writer: FlowMapWriter | BandWriter, mesh, frames: int, message: str) -> Steps[list[str]]:
     """What all frames share; it counts as one frame more."""
     running = writer.prepare(mesh)
@@ -322,7 +359,7 @@ def _draw(task: BakeTask, writer: FlowMapWriter | BandWriter, missing: list[int]
                 yield Step(_between(drawn, end, part), message)
 
 
-_TARGET_STEPS = {"usd": _bake_frames, "exr": _bake_exr, "vdb": _bake_vdb}
+_TARGET_STEPS = {"usd": _bake_frames, "exr": _bake_exr, "vdb": _bake_vdb, "morse": _bake_morse}
 
 
 # Helpers --------------------------------------------------------------------------------------------------------------

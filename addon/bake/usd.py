@@ -3,11 +3,12 @@
 Layout of a cache (names relative to its folder; the λ cache, the frame cache in brackets):
 
     mesh.usdc                 /stormfield/mesh: points and the artist's own polygons, constant
-    samples/lam_0000.usdc     one time sample of every attribute, as vertex primvars   [frames/frame_0001.usdc]
+    samples/lam_0000.usdc     one time sample of every attribute, as primvars   [frames/frame_0001.usdc]
     clips.usda                declares the attributes for the value clips
     field.usda                mesh.usdc as sublayer, and value clips that join the samples; open this one
 
-Time codes are λ · 1000 [the frame]; between samples USD interpolates linearly.
+Time codes are λ · 1000 [the frame]; between samples USD interpolates linearly. Integers belong to polygons and keep
+the value of the sample before; everything else belongs to vertices.
 
 Attaching a cache to the artist's object in Blender (4.5 and 5.2; tests/python/test_bake_blender.py does exactly this):
 
@@ -61,6 +62,17 @@ class Polygons:
     def of_triangles(cls, triangles: np.ndarray) -> "Polygons":
         return cls(np.full(len(triangles), 3, np.int32), np.ascontiguousarray(triangles, np.int32).ravel())
 
+    def gathered(self, values: np.ndarray) -> np.ndarray:
+        """(f,) for each polygon the first value >= 0 of its triangles, which follow each other in the mesh, or -1.
+
+        values: (m,) int32, one per triangle.
+        """
+        polygon = np.repeat(np.arange(len(self.counts)), self.counts - 2)
+        gathered = np.full(len(self.counts), -1, np.int32)
+        inside = np.flatnonzero(values >= 0)[::-1]  # the first triangle is written last
+        gathered[polygon[inside]] = values[inside]
+        return gathered
+
 
 @cache
 def usd() -> SimpleNamespace:
@@ -77,15 +89,19 @@ def usd() -> SimpleNamespace:
 
 
 def write_sample(path: Path, time_code: float, attributes: Attributes) -> None:
-    """One time sample of every attribute: float32 arrays (n, 3) or (n,). Equal input gives equal bytes."""
+    """One time sample of every attribute: float32 (n, 3) or (n,) per vertex, int32 (f,) per polygon. Equal input gives
+    equal bytes."""
     pxr = usd()
     layer, stage = _new_stage(".usdc")
     primvars = pxr.UsdGeom.PrimvarsAPI(stage.OverridePrim(PRIM))
     for name, values in sorted(attributes.items()):
-        vectors = values.ndim == 2
-        primvar = primvars.CreatePrimvar(name, _type(vectors), pxr.UsdGeom.Tokens.vertex)
-        array = np.ascontiguousarray(values, np.float32)
-        primvar.Set((pxr.Vt.Vec3fArray if vectors else pxr.Vt.FloatArray).FromNumpy(array), time_code)
+        primvar = _declared(primvars, name, values)
+        if per_polygon(values):
+            array = pxr.Vt.IntArray.FromNumpy(np.ascontiguousarray(values, np.int32))
+        else:
+            kind = pxr.Vt.Vec3fArray if values.ndim == 2 else pxr.Vt.FloatArray
+            array = kind.FromNumpy(np.ascontiguousarray(values, np.float32))
+        primvar.Set(array, time_code)
     _export(layer, path)
 
 
@@ -96,7 +112,8 @@ def read_sample(path: Path) -> dict[str, np.ndarray]:
     for primvar in usd().UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(PRIM)).GetPrimvars():
         times = primvar.GetTimeSamples()
         if times:
-            attributes[primvar.GetPrimvarName()] = np.array(primvar.Get(times[0]), np.float32)
+            kind = np.int32 if primvar.GetTypeName() == usd().Sdf.ValueTypeNames.IntArray else np.float32
+            attributes[primvar.GetPrimvarName()] = np.array(primvar.Get(times[0]), kind)
     return attributes
 
 
@@ -137,7 +154,7 @@ def write_clips(path: Path, attributes: Attributes) -> None:
     layer, stage = _new_stage(".usda")
     primvars = pxr.UsdGeom.PrimvarsAPI(stage.OverridePrim(PRIM))
     for name, values in sorted(attributes.items()):
-        primvars.CreatePrimvar(name, _type(values.ndim == 2), pxr.UsdGeom.Tokens.vertex)
+        _declared(primvars, name, values)
     _export(layer, path)
 
 
@@ -154,7 +171,7 @@ def write_stage(path: Path, names: Sequence[str], times: Sequence[float], attrib
     prim = stage.OverridePrim(PRIM)
     primvars = pxr.UsdGeom.PrimvarsAPI(prim)
     for name, values in sorted(attributes.items()):
-        primvars.CreatePrimvar(name, _type(values.ndim == 2), pxr.UsdGeom.Tokens.vertex)
+        _declared(primvars, name, values)
     clips = pxr.Usd.ClipsAPI(prim)
     clips.SetClipPrimPath(PRIM)
     clips.SetClipManifestAssetPath(pxr.Sdf.AssetPath("./clips.usda"))
@@ -169,9 +186,17 @@ def write_stage(path: Path, names: Sequence[str], times: Sequence[float], attrib
 # Steps ----------------------------------------------------------------------------------------------------------------
 
 
-def _type(vectors: bool):
-    names = usd().Sdf.ValueTypeNames
-    return names.Float3Array if vectors else names.FloatArray
+def per_polygon(values: np.ndarray) -> bool:
+    """Whether an attribute has a value for each polygon, and not for each vertex: integers do."""
+    return values.dtype.kind == "i"
+
+
+def _declared(primvars, name: str, values: np.ndarray):
+    """A new primvar for such values."""
+    names, tokens = usd().Sdf.ValueTypeNames, usd().UsdGeom.Tokens
+    if per_polygon(values):
+        return primvars.CreatePrimvar(name, names.IntArray, tokens.uniform)
+    return primvars.CreatePrimvar(name, names.Float3Array if values.ndim == 2 else names.FloatArray, tokens.vertex)
 
 
 def _new_stage(extension: str):

@@ -15,7 +15,7 @@ from .progress import progress
 
 @cli.command()
 @click.argument("scene", type=click.Path())
-@click.option("--targets", default="usd", show_default=True, help="Comma separated: usd, exr, vdb.")
+@click.option("--targets", default="usd", show_default=True, help="Comma separated: usd, exr, vdb, morse.")
 @click.option("--frames", help="A-B: the part of the scene's frames to write here, for one machine of many.")
 @click.option("--resume", is_flag=True, help="Keep finished samples and frames.")
 @click.option("--solve-only", is_flag=True, help="Write the λ caches and nothing else.")
@@ -61,6 +61,9 @@ def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | No
     if result.whole and "usd" in result.folders:
         attach.attach_frames(obj, result.folders["usd"])
         folders.delete_old_caches(result.folders["usd"].parent, "frames", saved)
+    if result.whole and "morse" in result.folders:
+        attach.attach_morse(obj, result.folders["morse"])
+        folders.delete_old_caches(result.folders["morse"].parent, "morse", saved)
     for target, written in result.folders.items():
         click.echo(f"{obj.name}\t{target}\t{written}")
     for remark in result.remarks:
@@ -68,11 +71,13 @@ def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | No
 
 
 def _targets(text: str) -> frozenset[str]:
-    known = ("usd", "exr", "vdb")
+    from ..bake.job import TARGETS
+
     names = [name.strip() for name in text.split(",") if name.strip()]
-    unknown = [name for name in names if name not in known]
+    unknown = [name for name in names if name not in TARGETS]
     if unknown or not names:
-        raise InputError(f"--targets {text!r}: {unknown[0] if unknown else 'nothing'}; choose from {', '.join(known)}")
+        wrong = unknown[0] if unknown else "nothing"
+        raise InputError(f"--targets {text!r}: {wrong}; choose from {', '.join(TARGETS)}")
     return frozenset(names)
 
 

@@ -1,6 +1,7 @@
 """Caches on disk → the artist's object: Mesh Sequence Cache modifiers that bring attributes onto its own mesh.
 
-The λ cache follows `obj.stormfield.lam` through a driver, the frame cache the scene's frame; renders need no Python.
+Caches over λ (the field, and its Morse sets where they are baked) follow `obj.stormfield.lam` through a driver, the
+frame cache follows the scene's frame; renders need no Python.
 The modifiers are the only record of where the caches are, so a path can be stale in one place only.
 """
 
@@ -10,6 +11,10 @@ import bpy
 
 LAMBDA = "Stormfield λ"
 FRAMES = "Stormfield Flow"
+MORSE = "Stormfield Morse Sets"
+#: All of them, in the order they have on the object; and those that follow λ.
+NAMES = (LAMBDA, FRAMES, MORSE)
+OVER_LAMBDA = (LAMBDA, MORSE)
 #: USD time codes per unit of λ.
 TIME_CODES = 1000.0
 PRIM = "/stormfield/mesh"
@@ -18,7 +23,21 @@ STAGE = "field.usda"
 
 def attach_lambda(obj: bpy.types.Object, folder: Path) -> None:
     """Bring sf_orientation, sf_advection, sf_speed and sf_stream at the current λ onto the mesh."""
-    cache_file = _attach(obj, LAMBDA, folder, 0)
+    _follow_lambda(obj, _attach(obj, LAMBDA, folder))
+
+
+def attach_morse(obj: bpy.types.Object, folder: Path) -> None:
+    """Bring sf_morse and sf_morse_kind at the current λ onto the faces."""
+    _follow_lambda(obj, _attach(obj, MORSE, folder))
+
+
+def attach_frames(obj: bpy.types.Object, folder: Path) -> None:
+    """Bring sf_phase_a, sf_phase_b and sf_blend of the scene's frame onto the mesh."""
+    _attach(obj, FRAMES, folder)
+    obj.update_tag()
+
+
+def _follow_lambda(obj: bpy.types.Object, cache_file: bpy.types.CacheFile) -> None:
     cache_file.override_frame = True
     cache_file.driver_remove("frame")
     driver = cache_file.driver_add("frame").driver
@@ -31,13 +50,7 @@ def attach_lambda(obj: bpy.types.Object, folder: Path) -> None:
     obj.update_tag()
 
 
-def attach_frames(obj: bpy.types.Object, folder: Path) -> None:
-    """Bring sf_phase_a, sf_phase_b and sf_blend of the scene's frame onto the mesh."""
-    _attach(obj, FRAMES, folder, 1 if LAMBDA in obj.modifiers else 0)
-    obj.update_tag()
-
-
-def detach(obj: bpy.types.Object, names: tuple[str, ...] = (LAMBDA, FRAMES)) -> None:
+def detach(obj: bpy.types.Object, names: tuple[str, ...] = NAMES) -> None:
     for name in names:
         modifier = obj.modifiers.get(name)
         if modifier is not None:
@@ -55,7 +68,7 @@ def attached_folder(obj: bpy.types.Object, name: str) -> Path | None:
     return Path(bpy.path.abspath(modifier.cache_file.filepath)).parent
 
 
-def _attach(obj: bpy.types.Object, name: str, folder: Path, position: int) -> bpy.types.CacheFile:
+def _attach(obj: bpy.types.Object, name: str, folder: Path) -> bpy.types.CacheFile:
     modifier = obj.modifiers.get(name)
     if modifier is None:
         modifier = obj.modifiers.new(name, "MESH_SEQUENCE_CACHE")
@@ -65,7 +78,8 @@ def _attach(obj: bpy.types.Object, name: str, folder: Path, position: int) -> bp
     modifier.cache_file.filepath = path
     modifier.object_path = PRIM
     modifier.read_data = {"ATTRIBUTES"}
-    obj.modifiers.move(obj.modifiers.find(name), position)
+    earlier = NAMES[: NAMES.index(name)]
+    obj.modifiers.move(obj.modifiers.find(name), sum(other in obj.modifiers for other in earlier))
     return modifier.cache_file
 
 

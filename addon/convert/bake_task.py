@@ -5,7 +5,7 @@ from pathlib import Path
 import bpy
 
 from ..bake.exr import ExrSettings
-from ..bake.job import BakeTask, FlowSettings
+from ..bake.job import BakeTask, FlowSettings, MorseSettings
 from ..bake.usd import Polygons
 from ..bake.vdb import VdbSettings
 from ..model.errors import InputError
@@ -24,7 +24,9 @@ def read_bake_task(context: bpy.types.Context, obj: bpy.types.Object, cache: Pat
     if last < first:
         raise InputError(f"The bake ends at frame {last} before it starts at {first}; exchange the two")
     frames = list(range(first, last + 1))
-    switches = {"usd": settings.use_frames, "exr": settings.use_exr, "vdb": settings.use_vdb}
+    switches = {
+        "usd": settings.use_frames, "exr": settings.use_exr, "vdb": settings.use_vdb, "morse": settings.use_morse
+    }  # fmt: skip
     active = obj.data.uv_layers.active
     return BakeTask(
         cache=cache,
@@ -40,4 +42,14 @@ def read_bake_task(context: bpy.types.Context, obj: bpy.types.Object, cache: Pat
             uv_layer=settings.uv_layer or (active.name if active else ""), resolution=int(settings.resolution)
         ),
         vdb=VdbSettings(voxel_size=settings.voxel_size),
+        morse=read_morse_settings(obj),
     )
+
+
+def read_morse_settings(obj: bpy.types.Object) -> MorseSettings:
+    """What the Morse panel says, for the shown field; 0 means a value found from mesh and field."""
+    settings, attribute = obj.stormfield.morse, obj.stormfield.look.shown_field
+    if settings.method == "geometry":
+        return MorseSettings(attribute, eps=settings.eps / 100.0)
+    tau = settings.tau if settings.method == "tau" else settings.length
+    return MorseSettings(attribute, settings.method, tau or None)

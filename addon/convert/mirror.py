@@ -8,17 +8,26 @@ the copy only has to be right when the file is saved.
 import bpy
 
 from .. import compat
-from .attach import LAMBDA, TIME_CODES
+from .attach import OVER_LAMBDA, TIME_CODES
 
 HANDLES = ("handle_left", "handle_right")
 
 
 def mirror_lambda(obj: bpy.types.Object) -> None:
     """Copy the F-curve of the object's λ, times TIME_CODES; none where λ is not keyed."""
-    modifier = obj.modifiers.get(LAMBDA)
-    cache_file = modifier.cache_file if modifier is not None else None
-    if cache_file is None:
-        return
+    for name in OVER_LAMBDA:
+        modifier = obj.modifiers.get(name)
+        if modifier is not None and modifier.cache_file is not None:
+            _mirror(obj, modifier.cache_file)
+
+
+def mirror_all() -> None:
+    for obj in bpy.data.objects:
+        if obj.type == "MESH" and obj.is_editable and obj.stormfield.enabled:
+            mirror_lambda(obj)
+
+
+def _mirror(obj: bpy.types.Object, cache_file: bpy.types.CacheFile) -> None:
     old = compat.find_fcurve(cache_file, "frame")
     if old is not None:
         compat.remove_fcurve(cache_file, old)
@@ -38,9 +47,3 @@ def mirror_lambda(obj: bpy.types.Object) -> None:
             place = getattr(key, handle)
             setattr(mine, handle, (place.x, place.y * TIME_CODES))
     copy.update()
-
-
-def mirror_all() -> None:
-    for obj in bpy.data.objects:
-        if obj.type == "MESH" and obj.is_editable and obj.stormfield.enabled:
-            mirror_lambda(obj)

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from ..bake.store import delete_cache
-from .attach import FRAMES, LAMBDA, attached_folder
+from .attach import NAMES, attached_folder
 from .folders import cache_root, temporary_root
 
 
@@ -20,7 +20,7 @@ def move_temporary_caches(blend: str) -> list[Path]:
         return []
     temporary = temporary_root()
     for obj in bpy.data.objects:
-        for name in (LAMBDA, FRAMES):
+        for name in NAMES:
             folder = attached_folder(obj, name)
             if folder is None or temporary not in folder.parents or not folder.is_dir():
                 continue

@@ -1,4 +1,5 @@
-"""Bake: the flowing texture's coordinates per frame (attached to the object), EXR flow maps and VDB volumes."""
+"""Bake: the flowing texture's coordinates per frame and Morse sets over λ (attached to the object), EXR flow maps and
+VDB volumes."""
 
 import bpy
 
@@ -14,7 +15,7 @@ def why_not(obj: bpy.types.Object) -> str:
     settings = obj.stormfield.bake
     if attach.attached_folder(obj, attach.LAMBDA) is None:
         return "Solve first: the bake reads the solved field"
-    if not (settings.use_frames or settings.use_exr or settings.use_vdb):
+    if not (settings.use_frames or settings.use_exr or settings.use_vdb or settings.use_morse):
         return "Switch on at least one thing to write"
     if settings.use_exr and not obj.data.uv_layers:
         return "EXR flow maps need a UV layer; unwrap the mesh, or switch them off"
@@ -38,6 +39,9 @@ class STORMFIELD_OT_bake(JobOperator, bpy.types.Operator):
         if "usd" in result.folders:
             attach.attach_frames(obj, result.folders["usd"])
             folders.delete_old_caches(result.folders["usd"].parent, "frames")
+        if "morse" in result.folders:
+            attach.attach_morse(obj, result.folders["morse"])
+            folders.delete_old_caches(result.folders["morse"].parent, "morse")
         for remark in result.remarks:
             self.report({"WARNING"}, remark)
         written = ", ".join(str(folder) for folder in result.folders.values())

@@ -4,6 +4,7 @@ import bpy
 
 from ..analysis.steps import MorseSets, morse_steps, native_field, refine_set_steps, starting_tau
 from ..convert import analysis_objects
+from ..convert.bake_task import read_morse_settings
 from ..convert.current_field import read_current
 from . import morse_state
 from .analyze import AnalysisOperator
@@ -20,7 +21,7 @@ class STORMFIELD_OT_morse_sets(AnalysisOperator, bpy.types.Operator):
     def start(self, context, obj):
         field = read_current(context, obj)
         self._attribute = field.attribute
-        return morse_steps(field.mesh, field.values, field.lam, **morse_state.options(obj.stormfield.morse))
+        return morse_steps(field.mesh, field.values, field.lam, **read_morse_settings(obj).options())
 
     def finish(self, _context, obj, found):
         show(obj, found, self._attribute)

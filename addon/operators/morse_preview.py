@@ -13,9 +13,10 @@ import numpy as np
 
 from ..analysis.mcg import morse_graph
 from ..analysis.steps import native_field, starting_tau
+from ..convert.bake_task import read_morse_settings
 from ..convert.current_field import read_current
 from ..convert.selection import redraw
-from . import morse_state, running
+from . import running
 
 #: Seconds between two looks at the work, and that a setting must stand still before it begins.
 TICK, PAUSE = 0.03, 0.08
@@ -102,8 +103,8 @@ def _begin(obj: bpy.types.Object) -> None:
     try:
         field = read_current(bpy.context, obj)
         surface, values = native_field(field.mesh, field.values)
-        options = morse_state.options(obj.stormfield.morse)
-        if options.get("tau"):
+        options = read_morse_settings(obj).options()
+        if options["tau"]:
             options["tau"] = min(options["tau"], starting_tau(surface, values, options["method"]))
         job = native.start_morse(values, persistence=False, **options)
     except (ValueError, RuntimeError, OSError):

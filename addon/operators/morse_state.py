@@ -27,13 +27,6 @@ _states: dict[str, MorseState] = {}
 _serials = itertools.count(1)
 
 
-def options(settings) -> dict[str, Any]:
-    """Options of native.start_morse as the panel says them; 0 means a value found from mesh and field."""
-    if settings.method == "geometry":
-        return {"method": "geometry", "eps": settings.eps / 100.0, "relative": True}
-    return {"method": settings.method, "tau": (settings.tau if settings.method == "tau" else settings.length) or None}
-
-
 def refine_options(settings, first_tau: float) -> dict[str, Any]:
     """Options of native.start_morse for a refinement that begins with `first_tau` where the panel says 0."""
     method = "spatial" if settings.method == "spatial" else "tau"

@@ -29,6 +29,13 @@ class BakeProperties(bpy.types.PropertyGroup):
         default=False,
         description="Write one narrow-band vector volume per frame around the surface, for smoke and particles",
     )
+    use_morse: BoolProperty(
+        name="Morse Sets",
+        default=False,
+        description="Divide the surface at every λ sample, as the Morse Sets panel says, into the face attributes "
+        "sf_morse (number of the set, the same at every λ; -1 is none) and sf_morse_kind (0 source, 1 sink, 2 saddle, "
+        "3 attracting, 4 repelling, 5 trivial, 6 other)",
+    )
     use_scene_frames: BoolProperty(name="Scene Frames", description="Bake the frame range of the scene", default=True)
     frame_start: IntProperty(name="Start", description="First frame baked (frame number)", default=1)
     frame_end: IntProperty(name="End", description="Last frame baked (frame number)", default=250)

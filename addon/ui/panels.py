@@ -170,6 +170,7 @@ class STORMFIELD_PT_bake(FieldPanel, bpy.types.Panel):
         column.prop(settings, "use_vdb")
         if settings.use_vdb:
             column.prop(settings, "voxel_size")
+        column.prop(settings, "use_morse")
         column.prop(settings, "use_scene_frames")
         if not settings.use_scene_frames:
             frames = column.column(align=True)

@@ -64,6 +64,26 @@ def test_all_targets(file, capfd):
         assert len(list(folder.glob(f"*/*.{ending}"))) == (5 if target == "lambda" else 6)
 
 
+def test_morse_sets_over_lambda(file, storms):
+    for element, kind in zip(storms.stormfield.elements, ("source", "sink"), strict=True):
+        element.kind = kind
+    storms.stormfield.morse.method = "geometry"
+    bpy.ops.wm.save_mainfile()
+    assert bake(file, "--targets", "morse") == 0
+    ball = bpy.data.objects["Ball"]
+    modifier = ball.modifiers["Stormfield Morse Sets"]
+    assert Path(bpy.path.abspath(modifier.cache_file.filepath)).parent == folder_of(file, "morse")
+    seen = []
+    for frame in (1, 6):
+        bpy.context.scene.frame_set(frame)
+        mesh = ball.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        attributes = [mesh.attributes[name] for name in ("sf_morse", "sf_morse_kind")]
+        assert all((a.data_type, a.domain, len(a.data)) == ("INT", "FACE", len(mesh.polygons)) for a in attributes)
+        seen.append({tuple(face.value for face in faces) for faces in zip(*(a.data for a in attributes), strict=True)})
+    # Elements that stay where they are: numbers and kinds (0 is source, 1 is sink) stay too.
+    assert (-1, -1) in seen[0] and {kind for _, kind in seen[0]} >= {0, 1} and seen[0] == seen[1]
+
+
 def test_two_machines_give_what_one_gives(file):
     assert bake(file, "--targets", "usd,exr") == 0
     expected = {target: contents(folder_of(file, target)) for target in ("frames", "exr")}
