@@ -4,7 +4,7 @@
     tracking = run(tracking_steps(open_cache(folder), mesh, "sf_advection"))
     morse = run(morse_steps(mesh, values, lam=0.3, method="tau", tau=0.1))
 
-Closing a generator stops the work within 0.1 s.
+Closing a generator stops the work within 0.1 s. Stop (bake/job.py) ends a refinement with the rounds that are complete.
 """
 
 from collections.abc import Generator
@@ -16,7 +16,7 @@ import numpy as np
 from .. import native
 from ..bake.cache import FieldCache
 from ..bake.fields import native_mesh
-from ..bake.job import Step, Steps
+from ..bake.job import Step, Steps, Stop
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from . import mcg, tracking
@@ -112,10 +112,16 @@ def native_field(mesh: MeshData, values: np.ndarray) -> tuple[Any, Any]:
 
 
 def result_of(job: Any, start: float, message: str) -> Generator[Step, None, Any]:
-    """Waits for work on the core's threads and returns its result; closing the generator stops the work."""
+    """Waits for work on the core's threads and returns its result; closing the generator stops the work.
+
+    After Stop the result is what the work has come to, or native.Cancelled where it leaves nothing.
+    """
     try:
         while not job.done:
-            yield Step(start + (1.0 - start) * job.fraction, message, waiting=True)
+            try:
+                yield Step(start + (1.0 - start) * job.fraction, message, waiting=True)
+            except Stop:
+                job.cancel()
         return job.result()
     finally:
         if not job.done:

@@ -6,7 +6,8 @@
 
     folder = run(steps)                                   # blocks, and returns what the generator returned
 
-Closing a generator cancels it at that step: running work is stopped, the file in work is removed, and what is finished
+Some work can end early with what it has come to: throw Stop into its generator, and go on for its result. Closing a
+generator cancels it at that step: running work is stopped, the file in work is removed, and what is finished
 stays, so that the same call goes on from there. Caches are named by what made them: the same design finds its cache
 again at once, another design gets another folder, and undo finds the earlier one.
 """
@@ -59,6 +60,10 @@ class Step:
 
 
 Steps = Generator[Step, None, Result]
+
+
+class Stop(Exception):  # noqa: N818  a request, no error
+    """Thrown into steps that can end early: be done soon, with what is complete."""
 
 
 @dataclass(frozen=True)

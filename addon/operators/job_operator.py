@@ -5,6 +5,7 @@
         why_not = staticmethod(why_not)  # object -> why it cannot be done now, and the cure; "" when it can
         def start(self, context, obj):  -> generator that yields steps with .fraction and .message, returns its result
         def finish(self, context, obj, result):  attaches what was made
+        keeps_when_stopped = True  # where Esc shall leave what is complete, instead of nothing
 
 With a window the operator is modal: slices of SLICE seconds, progress in the status bar, the cursor and the panel, Esc
 ends it within a tenth of a second. Without (background mode, scripts) the same generator runs to its end in one call.
@@ -15,6 +16,7 @@ import time
 
 import bpy
 
+from ..bake.job import Stop
 from . import running
 from .shared import FieldOperator, active_field, redraw_sidebars, report_fault
 
@@ -27,7 +29,10 @@ EXPECTED = (ValueError, RuntimeError, OSError, MemoryError)
 
 class JobOperator(FieldOperator):
     job_title = "Working"
+    #: Whether work that is stopped leaves what it has come to: then it is asked to end early, and finish() gets that.
+    keeps_when_stopped = False
     _shown = ""
+    _ending = False
 
     @classmethod
     def poll(cls, context):
@@ -50,7 +55,7 @@ class JobOperator(FieldOperator):
         if bpy.app.background:
             return self.execute(context)
         obj = active_field(context)
-        self._steps, self._shown = None, ""
+        self._steps, self._shown, self._ending = None, "", False
         try:
             self._steps = self.start(context, obj)
         except EXPECTED as fault:
@@ -65,20 +70,25 @@ class JobOperator(FieldOperator):
 
     def modal(self, context, event):
         job = running.current()
-        if job is None or job.cancel_requested or (event.type == "ESC" and event.value == "PRESS"):
-            self._leave(context)
-            self.report({"WARNING"}, f"{self.job_title} '{self._object_name}' was stopped; it is as it was before")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
+        stopped = job is None or job.cancel_requested or (event.type == "ESC" and event.value == "PRESS")
+        ends_early = stopped and job is not None and self.keeps_when_stopped and not self._ending
+        if stopped and not ends_early:
+            return self._stopped(context)
+        if event.type != "TIMER" and not ends_early:
             return {"PASS_THROUGH"}
         until = time.monotonic() + SLICE
         try:
+            if ends_early:
+                self._ending, job.cancel_requested = True, False
+                self._take(self._steps.throw(Stop()), job)
             while time.monotonic() < until:
-                step = self._next_step(self._steps, job)
+                step = self._take(next(self._steps), job)
                 if step.waiting:  # the core works on its own threads: give the time back
                     break
         except StopIteration as end:
             return self._done(context, end.value)
+        except Stop:  # there is nothing yet
+            return self._stopped(context)
         except EXPECTED as fault:
             self._leave(context)
             return report_fault(self, fault)
@@ -108,7 +118,7 @@ class JobOperator(FieldOperator):
         try:
             steps = self.start(context, obj)
             while True:
-                step = self._next_step(steps, job)
+                step = self._take(next(steps), job)
                 if step.waiting:
                     time.sleep(TICK)
         except StopIteration as end:
@@ -119,12 +129,16 @@ class JobOperator(FieldOperator):
         finally:
             running.end()
 
-    def _next_step(self, steps, job):
-        step = next(steps)
+    def _take(self, step, job):
         job.fraction, job.message = step.fraction, step.message
         for note in step.notes:
             self.report({"WARNING"}, note)
         return step
+
+    def _stopped(self, context):
+        self._leave(context)
+        self.report({"WARNING"}, f"{self.job_title} '{self._object_name}' was stopped; it is as it was before")
+        return {"CANCELLED"}
 
     def _done(self, context, result):
         self._leave(context)

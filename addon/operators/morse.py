@@ -31,12 +31,13 @@ class STORMFIELD_OT_morse_sets(AnalysisOperator, bpy.types.Operator):
 
 
 class STORMFIELD_OT_refine_morse(AnalysisOperator, bpy.types.Operator):
-    """Divide coarse sets further by ever larger τ inside them, where it pays, at the current λ. Esc stops"""
+    """Divide coarse sets further by ever larger τ inside them, at the current λ. Esc keeps what is done so far"""
 
     bl_idname = "stormfield.refine_morse"
     bl_label = "Refine"
     bl_options = {"REGISTER", "UNDO"}
     job_title = "Refining"
+    keeps_when_stopped = True
 
     def start(self, context, obj):
         field = read_current(context, obj)
@@ -50,7 +51,11 @@ class STORMFIELD_OT_refine_morse(AnalysisOperator, bpy.types.Operator):
 
     def finish(self, _context, obj, found):
         show(obj, found, self._attribute)
-        ended = {"time": "; the time was up", "steps": "; the steps were used up"}.get(found.decomposition.stop, "")
+        ended = {
+            "time": "; the time was up",
+            "steps": "; the steps were used up",
+            "cancelled": "; it was stopped, and what is divided so far is kept",
+        }.get(found.decomposition.stop, "")
         self.report({"INFO"}, f"'{obj.name}': {len(found.graph.entities)} Morse sets after refinement{ended}")
 
 

@@ -59,6 +59,53 @@ def test_work_is_done_in_slices_and_given_to_finish(runner):
 
 
 @pytest.mark.parametrize("how", ["key", "panel"])
+def test_work_that_keeps_what_it_has_ends_early(runner, how):
+    from stormfield.bake.job import Stop
+    from stormfield.operators import running
+
+    work, step = runner
+    work.keeps_when_stopped = True
+
+    def steps():
+        done = 0
+        try:
+            while True:
+                yield step(0.1, "endless", waiting=True)
+                done += 1
+        except Stop:
+            for _ in range(2):
+                yield step(0.9, "ending", waiting=True)
+            return done
+
+    def press():
+        if how == "panel":
+            bpy.ops.stormfield.cancel_job()
+        return job.modal(context(), ESC if how == "key" else TIMER)
+
+    job = work(steps())
+    for _ in range(3):
+        job.modal(context(), TIMER)
+    assert press() == {"PASS_THROUGH"} and running.current().message == "ending"
+    assert job.modal(context(), TIMER) == {"FINISHED"}
+    assert job.results == [("Ball", 2)] and running.current() is None
+
+    running.begin("Working", "Ball")
+    job = work(steps())
+    job.modal(context(), TIMER)
+    press()
+    assert press() == {"CANCELLED"} and not job.results  # twice: at once
+
+    def nothing_yet():
+        while True:
+            yield step(0.1, "reading")
+
+    running.begin("Working", "Ball")
+    job = work(nothing_yet())
+    job.modal(context(), TIMER)
+    assert press() == {"CANCELLED"} and not job.results and running.current() is None
+
+
+@pytest.mark.parametrize("how", ["key", "panel"])
 def test_escape_closes_the_work_at_once(runner, how):
     from stormfield.operators import running
 

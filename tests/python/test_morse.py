@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 import stormfield_native as native
 from stormfield.analysis.mcg import morse_graph, morse_json
+from stormfield.analysis.steps import morse_steps
+from stormfield.bake.job import Stop, run
 from stormfield.cli import main
+from stormfield.model.mesh_data import MeshData
 from stormfield.readers import read_field
 from stormfield.readers.icosphere import icosphere
 
@@ -189,6 +192,18 @@ def test_cancelled_refinement_is_a_decomposition():
     found = job.result()
     assert found.stop == "cancelled"
     assert sum(s.poincare for s in found.sets) == mesh.euler_characteristic
+
+
+def test_stopped_steps_give_what_is_complete():
+    mesh, field = data_field("gasEngineV.t")
+    data = MeshData(np.asarray(mesh.vertices), np.asarray(mesh.triangles))
+    steps = morse_steps(data, field.to_space(), 0.0, method="tau", refine=True)
+    while "Dividing" not in next(steps).message:
+        pass
+    steps.throw(Stop())
+    found = run(steps)
+    assert found.decomposition.stop in {"cancelled", "done"}
+    assert sum(s.poincare for s in found.decomposition.sets) == mesh.euler_characteristic
 
 
 # Bad input ------------------------------------------------------------------------------------------------------------
