@@ -19,8 +19,8 @@ from ..bake.fields import native_mesh
 from ..bake.job import Step, Steps
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
-from .seeds import Seeds, rings
-from .steps import result_of
+from .seeds import Seeds, normals_at, rings
+from .steps import check_moves, result_of
 
 #: Kinds whose points carry times, and kinds with curves for each frame.
 GROWING, BY_FRAME = ("STREAMLINE", "PATHLINE"), ("STREAKLINE", "TIMELINE")
@@ -65,8 +65,7 @@ def flow_curve_steps(
     for j in range(len(lambdas)):
         yield Step(READ * j / len(lambdas), f"Reading sample {j + 1} of {len(lambdas)}")
         vectors[j] = read_sample(j)
-    if not vectors.any():
-        raise InputError("the field is zero everywhere; nothing moves")
+    check_moves(vectors, "nothing moves")
     field = native.ParameterizedField(surface, np.asarray(lambdas, np.float64), surface.to_tangent(vectors))
     seeds = seeds_of(surface)
     if not len(seeds[0]):
@@ -85,11 +84,9 @@ class _View:
         self.times = np.asarray(settings.frames, np.float64) / settings.frames_per_second
         self.track = np.asarray(settings.lambdas, np.float64)
         self.radius = settings.radius * surface.size
-        self.normals = surface.normals
 
     def lifted(self, points: np.ndarray, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
-        normals = (self.normals[self.surface.triangles[faces]] * barycentric[:, :, None]).sum(axis=1)
-        return points + self.radius * normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        return points + self.radius * normals_at(self.surface, faces, barycentric)
 
     def lam_at(self, times: np.ndarray) -> np.ndarray:
         if self.settings.kind == "STREAMLINE":

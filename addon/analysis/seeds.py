@@ -1,4 +1,5 @@
-"""Where curves begin: points spread evenly over a surface, vertices, rings around points. No Blender here.
+"""Where curves begin: points spread evenly over a surface, vertices, rings around points; and the normals there. No
+Blender here.
 
 `surface` is a native TriangleMesh; seeds are (faces (k,) int32, barycentric (k, 3) float64).
 """
@@ -64,3 +65,9 @@ def rings(surface: Any, seeds: Seeds, radius: float, count: int = 24) -> list[Se
     faces, barycentric = surface.closest_points(circles.reshape(-1, 3))[:2]
     around = [np.r_[i * count : (i + 1) * count, i * count] for i in range(len(centers))]
     return [(faces[ring], barycentric[ring]) for ring in around]
+
+
+def normals_at(surface: Any, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
+    """(k, 3) unit vectors: the vertices' normals, linear between them."""
+    normals = (surface.normals[surface.triangles[faces]] * barycentric[:, :, None]).sum(axis=1)
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)

@@ -79,8 +79,7 @@ def morse_steps(mesh: MeshData, values: np.ndarray, lam: float, **options: Any) 
     """Morse sets of one instantaneous field; options as of native.start_morse."""
     yield Step(0.0, "Reading the field")
     surface, field = native_field(mesh, values)
-    if not values.any():
-        raise InputError("the field is zero everywhere; there is nothing to divide")
+    check_moves(values, "there is nothing to divide")
     found = yield from result_of(native.start_morse(field, **options), 0.0, "Dividing the surface")
     yield Step(1.0, "Ordering the sets", waiting=True)
     return MorseSets(found, surface, field, native.mean_speed(field), mcg.morse_graph(found, surface, lam))
@@ -93,13 +92,10 @@ def refine_set_steps(morse: MorseSets, index: int) -> Steps[MorseSets]:
     return replace(morse, decomposition=found, graph=mcg.morse_graph(found, morse.surface, morse.graph.lam))
 
 
-def starting_tau(surface: Any, field: Any, method: str) -> float:
-    """A τ to begin with: the seconds ("tau") or mesh units ("spatial") to cross four edges at the mean speed."""
-    length = 4.0 * surface.mean_edge_length
-    if method == "spatial":
-        return length
-    speed = native.mean_speed(field)
-    return length / speed if speed > 0 else 0.0
+def check_moves(values: np.ndarray, so: str) -> None:
+    """Raises InputError for vectors that are all zero; so: what follows from that."""
+    if not values.any():
+        raise InputError(f"the field is zero everywhere; {so}")
 
 
 def native_field(mesh: MeshData, values: np.ndarray) -> tuple[Any, Any]:

@@ -11,9 +11,9 @@ import numpy as np
 
 from .. import native
 from ..bake.job import Step, Steps
-from ..model.errors import InputError
 from ..model.mesh_data import MeshData
-from .steps import native_field, result_of
+from .seeds import normals_at
+from .steps import check_moves, native_field, result_of
 
 #: Distance between two arrow heads on a line, in distances between lines; length and half width of a head, in radii of
 #: lines.
@@ -48,9 +48,8 @@ class StreamlineDrawing:
 def streamline_steps(mesh: MeshData, values: np.ndarray, settings: Settings) -> Steps[StreamlineDrawing]:
     """values: (n, 3) at the vertices. Raises InputError for a field of zeros and settings without meaning."""
     yield Step(0.0, "Reading the field")
-    if not values.any():
-        raise InputError("the field is zero everywhere; there is nothing to draw")
     surface, field = native_field(mesh, values)
+    check_moves(values, "there is nothing to draw")
     distance = settings.density * surface.size
     job = native.start_evenly_spaced_streamlines(field, distance, topology=settings.topology)
     lines = yield from result_of(job, 0.0, "Placing streamlines")
@@ -61,8 +60,7 @@ def streamline_steps(mesh: MeshData, values: np.ndarray, settings: Settings) -> 
 def drawing_of(lines: Any, surface: Any, distance: float, settings: Settings) -> StreamlineDrawing:
     """lines: native EvenStreamlines on `surface`, a native TriangleMesh. distance: between lines, mesh units."""
     radius = 0.5 * settings.width * distance
-    normals = (surface.normals[surface.triangles[lines.faces]] * lines.barycentric[:, :, None]).sum(axis=1)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    normals = normals_at(surface, lines.faces, lines.barycentric)
     points = lines.points + radius * normals
     width = 1.0 - settings.taper * (1.0 - lines.taper)
     cuts = lines.offsets[1:-1]

@@ -46,11 +46,6 @@ def describe_mesh(mesh: Any) -> dict[str, int]:
     }
 
 
-def check_lam(lam: float | None) -> None:
-    if lam is not None and not 0.0 <= lam <= 1.0:
-        raise InputError(f"--lam {lam:g} is outside 0..1; λ runs from 0 to 1")
-
-
 def write_json(target: str, content: dict[str, Any]) -> None:
     """To a file, whole or not at all, or with - to standard output."""
     text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"

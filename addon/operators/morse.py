@@ -2,7 +2,8 @@
 
 import bpy
 
-from ..analysis.steps import MorseSets, morse_steps, native_field, refine_set_steps, starting_tau
+from .. import native
+from ..analysis.steps import MorseSets, morse_steps, native_field, refine_set_steps
 from ..convert import analysis_objects
 from ..convert.bake_task import read_morse_settings
 from ..convert.current_field import read_current
@@ -43,10 +44,10 @@ class STORMFIELD_OT_refine_morse(AnalysisOperator, bpy.types.Operator):
         field = read_current(context, obj)
         self._attribute = field.attribute
         settings = obj.stormfield.morse
-        surface, values = native_field(field.mesh, field.values)
+        _, values = native_field(field.mesh, field.values)
         # A refinement begins below the τ that a single map would take.
-        first = 0.5 * starting_tau(surface, values, "spatial" if settings.method == "spatial" else "tau")
-        options = morse_state.refine_options(settings, first)
+        unit = morse_state.UNITS.get(settings.method, "time")
+        options = morse_state.refine_options(settings, 0.5 * native.starting_tau(values, unit))
         return morse_steps(field.mesh, field.values, field.lam, **options)
 
     def finish(self, _context, obj, found):

@@ -12,11 +12,11 @@ import bpy
 import numpy as np
 
 from ..analysis.mcg import morse_graph
-from ..analysis.steps import native_field, starting_tau
+from ..analysis.steps import native_field
 from ..convert.bake_task import read_morse_settings
 from ..convert.current_field import read_current
 from ..convert.selection import redraw
-from . import running
+from . import morse_state, running
 
 #: Seconds between two looks at the work, and that a setting must stand still before it begins.
 TICK, PAUSE = 0.03, 0.08
@@ -105,7 +105,7 @@ def _begin(obj: bpy.types.Object) -> None:
         surface, values = native_field(field.mesh, field.values)
         options = read_morse_settings(obj).options()
         if options["tau"]:
-            options["tau"] = min(options["tau"], starting_tau(surface, values, options["method"]))
+            options["tau"] = min(options["tau"], native.starting_tau(values, morse_state.UNITS[options["method"]]))
         job = native.start_morse(values, persistence=False, **options)
     except (ValueError, RuntimeError, OSError):
         _previews.pop(obj.name, None)  # no field yet: the panel says why

@@ -12,6 +12,8 @@ import bpy
 
 from ..analysis.steps import MorseSets
 
+#: What τ is of each method that has one, in the core's words.
+UNITS = {"tau": "time", "spatial": "length"}
 #: Seconds that a slider must stand still before work begins.
 PAUSE = 0.15
 

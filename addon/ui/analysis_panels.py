@@ -5,7 +5,9 @@ import bpy
 from ..convert import entity_nodes
 from ..operators.analyze import STORMFIELD_OT_analyze
 from ..operators.analyze_lambda import STORMFIELD_OT_analyze_lambda
+from ..operators.pathlines import STORMFIELD_OT_pathlines
 from ..operators.shared import active_field
+from ..operators.streamlines import STORMFIELD_OT_streamlines
 from ..properties.analysis import CATEGORIES
 from . import icons, markers
 from .panels import FieldPanel, draw_progress, hint, text_lines
@@ -26,7 +28,7 @@ class STORMFIELD_PT_analysis(FieldPanel, bpy.types.Panel):
         layout = self.layout
         obj = active_field(context)
         analysis = obj.stormfield.analysis
-        if not any([draw_progress(layout, title) for title in ("Analyzing", "Following")]):
+        if not draw_progress(layout, STORMFIELD_OT_analyze.job_title, STORMFIELD_OT_analyze_lambda.job_title):
             column = layout.column(align=True)
             column.scale_y = 1.2
             column.operator("stormfield.analyze", icon="VIEWZOOM")
@@ -59,18 +61,12 @@ class STORMFIELD_PT_curves(FieldPanel, bpy.types.Panel):
     bl_label = "Curves"
     bl_options = {"DEFAULT_CLOSED"}
 
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and any(_exists(name) for name, _icon in CURVES)
-
     def draw(self, _context):
-        makers = [getattr(bpy.types, f"STORMFIELD_OT_{name}") for name, _icon in CURVES if _exists(name)]
-        if any([draw_progress(self.layout, maker.job_title) for maker in makers if hasattr(maker, "job_title")]):
+        if draw_progress(self.layout, *(maker.job_title for maker, _icon in CURVES)):
             return
         column = self.layout.column(align=True)
-        for name, icon in CURVES:
-            if _exists(name):
-                column.operator(f"stormfield.{name}", icon=icon)
+        for maker, icon in CURVES:
+            column.operator(maker.bl_idname, icon=icon)
 
 
 class STORMFIELD_PT_look_analysis(FieldPanel, bpy.types.Panel):
@@ -97,11 +93,7 @@ class STORMFIELD_PT_look_analysis(FieldPanel, bpy.types.Panel):
 
 
 #: Operators that make curves for hair and curve shading.
-CURVES = (("streamlines", "OUTLINER_OB_CURVES"), ("pathlines", "TRACKING"))
-
-
-def _exists(name: str) -> bool:
-    return hasattr(bpy.types, f"STORMFIELD_OT_{name}")
+CURVES = ((STORMFIELD_OT_streamlines, "OUTLINER_OB_CURVES"), (STORMFIELD_OT_pathlines, "TRACKING"))
 
 
 def draw_entity(context, layout, obj, which: str) -> None:

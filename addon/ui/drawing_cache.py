@@ -7,6 +7,7 @@ import numpy as np
 
 from .. import native
 from ..convert.mesh_arrays import loop_triangles
+from ..operators import morse_state
 from . import field_drawing
 from .field_drawing import Surface
 
@@ -37,7 +38,8 @@ class _Entry:
     mesh: object = None  #: native TriangleMesh, or None where the evaluated mesh is no surface
     note: str = ""
     seeds: dict = field(default_factory=dict)
-    mean_speed: float = 0.0  #: of the field that is drawn, mesh units per second
+    values: np.ndarray | None = None  #: (n, 3) of the field that is drawn
+    taus: dict = field(default_factory=dict)  #: starting values by method, once asked for
     looked: tuple = ()  #: generation of the object at the last look at its shape
     key: tuple = ()
     drawing: Drawing | None = None
@@ -82,7 +84,7 @@ def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
         values = np.empty(len(mesh.vertices) * 3, np.float32)
         attribute.data.foreach_get("vector", values)
         values = values.reshape(-1, 3).astype(np.float64)
-        entry.mean_speed = float(np.linalg.norm(values, axis=1).mean()) if len(values) else 0.0
+        entry.values, entry.taus = values, {}
         entry.drawing = _draw(entry, values, settings)
         entry.key = key
     return entry.drawing
@@ -101,10 +103,18 @@ def surface_of(evaluated: bpy.types.Object):
 def starting_tau(obj: bpy.types.Object, method: str) -> float | None:
     """The τ that mesh and field suggest: seconds, or mesh units for the method "spatial"; None before it was drawn."""
     entry = _entries.get(obj.name)
-    if entry is None or entry.mesh is None or not entry.mean_speed:
+    if entry is None or entry.mesh is None or entry.values is None:
         return None
-    length = 4.0 * entry.mesh.mean_edge_length
-    return length if method == "spatial" else length / entry.mean_speed
+    if method not in entry.taus:
+        entry.taus[method] = _starting_tau(entry, method)
+    return entry.taus[method]
+
+
+def _starting_tau(entry: _Entry, method: str) -> float | None:
+    try:
+        return native.starting_tau(native.VectorField.from_space(entry.mesh, entry.values), morse_state.UNITS[method])
+    except ValueError:  # of a field that stands still, or is not finite
+        return None
 
 
 def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:

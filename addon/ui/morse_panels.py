@@ -6,10 +6,7 @@ from ..operators import morse_state
 from ..operators.morse import STORMFIELD_OT_morse_sets
 from ..operators.shared import active_field
 from . import drawing_cache
-from .panels import FieldPanel, draw_progress, hint, text_lines
-
-#: Titles of the jobs whose progress is shown here.
-JOBS = ("Dividing", "Refining")
+from .panels import FieldPanel, hint, job_button, text_lines
 
 
 class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
@@ -23,14 +20,12 @@ class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
         layout.use_property_decorate = False
         obj = active_field(context)
         settings = obj.stormfield.morse
-        if not any([draw_progress(layout, title) for title in JOBS]):
-            row = layout.row(align=True)
-            row.scale_y = 1.4
-            row.operator("stormfield.morse_sets", icon="MOD_MASK")
-            live = row.row(align=True)
-            live.use_property_split = False
-            live.prop(settings, "live", text="", icon="HIDE_OFF" if settings.live else "HIDE_ON")
-            hint(context, layout, STORMFIELD_OT_morse_sets.why_not(obj))
+
+        def live(row):
+            row.use_property_split = False
+            row.prop(settings, "live", text="", icon="HIDE_OFF" if settings.live else "HIDE_ON")
+
+        job_button(context, layout, STORMFIELD_OT_morse_sets, obj, "MOD_MASK", beside=live, titles=("Refining",))
         column = layout.column()
         column.prop(settings, "method")
         if settings.method == "geometry":

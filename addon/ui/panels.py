@@ -126,11 +126,7 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         layout.use_property_decorate = False
         obj = active_field(context)
         settings = obj.stormfield.solve
-        if not draw_progress(layout, "Solving"):
-            row = layout.row()
-            row.scale_y = 1.4
-            row.operator("stormfield.solve", icon="PLAY")
-            hint(context, layout, solve.why_not(obj))
+        job_button(context, layout, solve.STORMFIELD_OT_solve, obj, icon="PLAY")
         column = layout.column()
         column.prop(settings, "even_speed", slider=True)
         column.prop(settings, "lambda_weight")
@@ -153,11 +149,7 @@ class STORMFIELD_PT_bake(FieldPanel, bpy.types.Panel):
         layout.use_property_decorate = False
         obj = active_field(context)
         settings = obj.stormfield.bake
-        if not draw_progress(layout, "Baking"):
-            row = layout.row()
-            row.scale_y = 1.4
-            row.operator("stormfield.bake", icon="RENDER_ANIMATION")
-            hint(context, layout, bake.why_not(obj))
+        job_button(context, layout, bake.STORMFIELD_OT_bake, obj, icon="RENDER_ANIMATION")
         column = layout.column(heading="Write")
         column.prop(settings, "use_frames")
         if settings.use_frames:
@@ -222,10 +214,25 @@ class STORMFIELD_PT_look(FieldPanel, bpy.types.Panel):
         column.prop(look, "show_legend")
 
 
-def draw_progress(layout, title: str) -> bool:
-    """The running job instead of its button."""
+def job_button(context, layout, operator, obj, icon: str, beside=None, titles: tuple[str, ...] = ()) -> None:
+    """The large button of a panel's long work, and below it why it is grey; while it runs, its progress instead.
+
+    beside(row): draws more on the button's right. titles: of other jobs that this panel shows the progress of.
+    """
+    if draw_progress(layout, operator.job_title, *titles):
+        return
+    row = layout.row(align=True)
+    row.scale_y = 1.4
+    row.operator(operator.bl_idname, icon=icon)
+    if beside is not None:
+        beside(row)
+    hint(context, layout, operator.why_not(obj))
+
+
+def draw_progress(layout, *titles: str) -> bool:
+    """The running job instead of its button, where it has one of these titles."""
     job = running.current()
-    if job is None or job.title != title:
+    if job is None or job.title not in titles:
         return False
     row = layout.row(align=True)
     row.progress(factor=job.fraction, text=f"{job.title} {job.fraction:.0%}", type="BAR")

@@ -36,6 +36,36 @@ def ball(scene):
 
 
 @pytest.fixture
+def native():
+    """The core, which not every Blender can load."""
+    from stormfield import native
+
+    try:
+        native.check()
+    except ImportError as fault:
+        pytest.skip(str(fault))
+    return native
+
+
+@pytest.fixture
+def put_field():
+    """Vectors on a mesh, as if a cache had put them there: an array, or a function of the vertices (n, 3)."""
+    import numpy as np
+
+    def work(obj, vectors):
+        if callable(vectors):
+            points = np.empty(len(obj.data.vertices) * 3, np.float32)
+            obj.data.vertices.foreach_get("co", points)
+            vectors = vectors(points.reshape(-1, 3))
+        attributes = obj.data.attributes
+        found = attributes.get("sf_advection") or attributes.new("sf_advection", "FLOAT_VECTOR", "POINT")
+        found.data.foreach_set("vector", np.asarray(vectors, np.float32).ravel())
+        obj.data.update_tag()
+
+    return work
+
+
+@pytest.fixture
 def storms(ball, add_curve):
     """The ball with two vortices at the poles' sides and a stream between: a design that solves fast."""
     from stormfield.operators.elements import add_element

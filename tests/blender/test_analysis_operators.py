@@ -5,30 +5,7 @@ import numpy as np
 import pytest
 
 pytest.importorskip("igraph", reason="igraph is not installed")
-
-
-@pytest.fixture(autouse=True)
-def native():
-    from stormfield import native
-
-    try:
-        native.check()
-    except ImportError as fault:
-        pytest.skip(str(fault))
-    return native
-
-
-@pytest.fixture
-def put():
-    """Vectors on a mesh, as if a cache had put them there."""
-
-    def work(obj, values):
-        attribute = obj.data.attributes.get("sf_advection")
-        attribute = attribute or obj.data.attributes.new("sf_advection", "FLOAT_VECTOR", "POINT")
-        attribute.data.foreach_set("vector", np.asarray(values, np.float32).ravel())
-        obj.data.update_tag()
-
-    return work
+pytestmark = pytest.mark.usefixtures("native")
 
 
 def vertices(obj):
@@ -36,26 +13,24 @@ def vertices(obj):
 
 
 @pytest.fixture
-def dipole(ball, put):
+def dipole(ball, put_field):
     """A source at the south pole, a sink at the north pole: flow along the meridians, turning a little."""
     places = vertices(ball)
     up = np.array([0.0, 0.0, 1.0])
-    put(ball, up - places * places[:, 2:] + 0.5 * np.cross(up, places))
+    put_field(ball, up - places * places[:, 2:] + 0.5 * np.cross(up, places))
     return ball
 
 
 @pytest.fixture
-def rings(ball, put):
+def rings(ball, put_field):
     """The equator attracts, both poles repel: one attracting orbit between two sources."""
     places = vertices(ball)
     up = np.array([0.0, 0.0, 1.0])
-    put(ball, np.cross(up, places) - places[:, 2:] * (up - places * places[:, 2:]))
+    put_field(ball, np.cross(up, places) - places[:, 2:] * (up - places * places[:, 2:]))
     return ball
 
 
-def test_analyze_at_this_frame(native, dipole):
-    if not hasattr(native.load(), "start_topology"):
-        pytest.skip("the core has no start_topology yet")
+def test_analyze_at_this_frame(dipole):
     assert bpy.ops.stormfield.analyze() == {"FINISHED"}
     analysis = dipole.stormfield.analysis
     assert sorted(item.kind for item in analysis.ecg.items) == ["sink", "source"]
@@ -65,9 +40,7 @@ def test_analyze_at_this_frame(native, dipole):
     assert links == [("source", "sink")]
 
 
-def test_a_periodic_orbit_is_a_closed_curve(native, rings):
-    if not hasattr(native.load(), "start_topology"):
-        pytest.skip("the core has no start_topology yet")
+def test_a_periodic_orbit_is_a_closed_curve(rings):
     bpy.ops.stormfield.analyze()
     kinds = sorted(item.kind for item in rings.stormfield.analysis.ecg.items)
     assert kinds == ["attracting", "source", "source"]
@@ -76,13 +49,11 @@ def test_a_periodic_orbit_is_a_closed_curve(native, rings):
     assert max(abs(point.position[2]) for point in orbit.points) < 0.03
 
 
-def test_undo_brings_the_earlier_analysis_back(native, dipole, put):
-    if not hasattr(native.load(), "start_topology"):
-        pytest.skip("the core has no start_topology yet")
+def test_undo_brings_the_earlier_analysis_back(dipole, put_field):
     bpy.ops.stormfield.analyze()
     bpy.ops.ed.undo_push(message="one")
     places = vertices(dipole)
-    put(dipole, np.cross([0, 0, 1.0], places) - places[:, 2:] * ([0, 0, 1.0] - places * places[:, 2:]))
+    put_field(dipole, np.cross([0, 0, 1.0], places) - places[:, 2:] * ([0, 0, 1.0] - places * places[:, 2:]))
     bpy.ops.stormfield.analyze()
     bpy.ops.ed.undo_push(message="two")
     assert len(bpy.data.objects["Ball"].stormfield.analysis.ecg.items) == 3
@@ -99,16 +70,16 @@ def test_nothing_to_analyze_says_so(ball):
         bpy.ops.stormfield.forget_analysis()
 
 
-def test_a_field_that_is_not_finite_names_the_vertex(dipole, put):
+def test_a_field_that_is_not_finite_names_the_vertex(dipole, put_field):
     values = vertices(dipole)
     values[7] = np.nan
-    put(dipole, values)
+    put_field(dipole, values)
     with pytest.raises(RuntimeError, match="vertex 7"):
         bpy.ops.stormfield.morse_sets()
 
 
-def test_a_field_of_zeros(dipole, put):
-    put(dipole, 0 * vertices(dipole))
+def test_a_field_of_zeros(dipole, put_field):
+    put_field(dipole, 0 * vertices(dipole))
     with pytest.raises(RuntimeError, match="zero everywhere"):
         bpy.ops.stormfield.morse_sets()
 
@@ -259,17 +230,13 @@ def test_a_smoothed_mesh_shows_the_analysis_of_its_own_vertices(dipole):
     assert (size > 0.97).all() and (size < 1.03).all()
 
 
-def test_refinement(native, rings):
-    if "refine" not in native.start_morse.__doc__:
-        pytest.skip("the core does not refine yet")
+def test_refinement(rings):
     assert bpy.ops.stormfield.refine_morse() == {"FINISHED"}
     kinds = [item.kind for item in rings.stormfield.analysis.mcg.items]
     assert kinds.count("source") == 2 and "attracting" in kinds
 
 
-def test_one_set_is_refined_by_itself(native, rings):
-    if "refine" not in native.start_morse.__doc__:
-        pytest.skip("the core does not refine yet")
+def test_one_set_is_refined_by_itself(rings):
     with pytest.raises(RuntimeError, match="first"):
         bpy.ops.stormfield.refine_set()
     rings.stormfield.morse.method = "geometry"

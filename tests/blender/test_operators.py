@@ -7,17 +7,6 @@ import numpy as np
 import pytest
 
 
-@pytest.fixture
-def native():
-    from stormfield import native
-
-    try:
-        native.check()
-    except ImportError as fault:
-        pytest.skip(str(fault))
-    return native
-
-
 def test_register_and_unregister_twice_leave_nothing(addon):
     before = {name: len(getattr(bpy.app.handlers, name)) for name in ("save_pre", "load_pre", "depsgraph_update_post")}
     addon.unregister()

@@ -4,16 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-
-@pytest.fixture(autouse=True)
-def native():
-    from stormfield import native
-
-    try:
-        native.check()
-    except ImportError as fault:
-        pytest.skip(str(fault))
-    return native
+pytestmark = pytest.mark.usefixtures("native")
 
 
 @pytest.fixture

@@ -5,18 +5,8 @@ import numpy as np
 import pytest
 
 
-def put_field(obj, flow):
-    points = np.empty(len(obj.data.vertices) * 3, np.float32)
-    obj.data.vertices.foreach_get("co", points)
-    attribute = obj.data.attributes.get("sf_advection") or obj.data.attributes.new(
-        "sf_advection", "FLOAT_VECTOR", "POINT"
-    )
-    attribute.data.foreach_set("vector", flow(points.reshape(-1, 3)).astype(np.float32).ravel())
-    obj.data.update()
-
-
 @pytest.fixture
-def vortex(ball, scene):
+def vortex(ball, scene, put_field):
     """The ball turning around z once in 48 frames, as an attribute on its mesh."""
     scene.frame_start, scene.frame_end, scene.render.fps = 1, 25, 24
     rate = 2.0 * np.pi / 2.0
@@ -101,7 +91,7 @@ def test_selected_vertices_are_the_seeds_and_running_again_updates(vortex):
     assert len(bpy.data.objects) == count and len(curves.data.curves) == 7 and len(curves.modifiers) == 1
 
 
-def test_faults_are_told(vortex, scene):
+def test_faults_are_told(vortex, put_field, scene):
     for vertex in vortex.data.vertices:
         vertex.select = False
     with pytest.raises(RuntimeError, match="selected"):

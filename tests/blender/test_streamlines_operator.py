@@ -6,20 +6,10 @@ import pytest
 
 
 @pytest.fixture
-def vortex(ball):
+def vortex(ball, put_field):
     """The ball turning around z, as an attribute on its mesh."""
     put_field(ball, lambda p: np.column_stack([-p[:, 1], p[:, 0], 0.0 * p[:, 0]]))
     return ball
-
-
-def put_field(obj, flow):
-    points = np.empty(len(obj.data.vertices) * 3, np.float32)
-    obj.data.vertices.foreach_get("co", points)
-    attribute = obj.data.attributes.get("sf_advection") or obj.data.attributes.new(
-        "sf_advection", "FLOAT_VECTOR", "POINT"
-    )
-    attribute.data.foreach_set("vector", flow(points.reshape(-1, 3)).astype(np.float32).ravel())
-    obj.data.update()
 
 
 def read(obj, name, width=1):
@@ -64,7 +54,7 @@ def test_undo_brings_the_earlier_lines_back(vortex):
     assert "Ball Streamlines" not in bpy.data.objects
 
 
-def test_arrows_are_curves_of_three_points_and_taper_can_be_off(vortex):
+def test_arrows_are_curves_of_three_points_and_taper_can_be_off(vortex, put_field):
     put_field(vortex, lambda p: np.column_stack([1.0 + 0.0 * p[:, 0], 0.2 * p[:, 0], -p[:, 1]]))
     bpy.ops.stormfield.streamlines(density=0.04, arrows=True, taper=0.0)
     curves = bpy.data.objects["Ball Streamlines"]
@@ -84,7 +74,7 @@ def test_arrows_are_curves_of_three_points_and_taper_can_be_off(vortex):
     assert np.allclose(radius[lines], radius[lines][0])
 
 
-def test_a_field_of_zeros_is_reported(vortex):
+def test_a_field_of_zeros_is_reported(vortex, put_field):
     put_field(vortex, np.zeros_like)
     with pytest.raises(RuntimeError, match="zero everywhere"):
         bpy.ops.stormfield.streamlines()

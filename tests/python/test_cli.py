@@ -10,10 +10,10 @@ import time
 import meshio
 import numpy as np
 import pytest
+from command_line import refused, run
 from stormfield import native
 from stormfield.bake import job, store
 from stormfield.bake.cache import open_cache
-from stormfield.cli import main
 from stormfield.cli.bake import _frames
 from stormfield.model.errors import InputError
 from stormfield.readers.icosphere import icosphere
@@ -55,22 +55,6 @@ def design(tmp_path, sphere):
         return path
 
     return write
-
-
-def run(capsys, *arguments):
-    """Exit status, standard output, standard error."""
-    status = main([str(argument) for argument in arguments])
-    captured = capsys.readouterr()
-    return status, captured.out, captured.err
-
-
-def refused(capsys, *arguments):
-    """The one line of a user fault."""
-    status, out, err = run(capsys, *arguments)
-    assert status == 2
-    assert out == ""
-    assert err.count("\n") == 1 and err.startswith("stormfield: ")
-    return err
 
 
 # info and analyze -----------------------------------------------------------------------------------------------------

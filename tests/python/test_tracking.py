@@ -5,28 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from command_line import refused, run
 from stormfield import native
 from stormfield.analysis import tracking
-from stormfield.cli import main
 from stormfield.readers import read_field
 from test_readers import data_set
 
 LATITUDE, LONGITUDE = np.arange(-90.0, 91.0, 3.0), np.arange(0.0, 360.0, 3.0)
-
-
-def run(capsys, *arguments):
-    """Exit status, standard output, standard error."""
-    status = main([str(argument) for argument in arguments])
-    captured = capsys.readouterr()
-    return status, captured.out, captured.err
-
-
-def refused(capsys, *arguments):
-    """The one line of a user fault."""
-    status, out, err = run(capsys, *arguments)
-    assert status == 2 and out == ""
-    assert err.count("\n") == 1 and err.startswith("stormfield: ")
-    return err
 
 
 def wind(times=4, seed=2):

@@ -1,0 +1,88 @@
+"""The opening that analyze, morse and track share: FIELD is read, its mesh made; and how they end: picture and JSON.
+
+@cli.command()
+@field_command("Picture of the field.")
+def analyze(given: FieldInput, ...): ...; given.draw(draw_analysis, ...); given.write("stormfield.x/1", {...})
+"""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from ..model.errors import InputError
+from .blender import load_core
+from .output import Phases, describe_mesh, field_argument, write_json
+
+
+class FieldInput:
+    """FIELD as its command gets it. Raises InputError before anything long begins where the picture cannot be made."""
+
+    def __init__(self, field: str, out: str, image: str | None, **reading: Any) -> None:
+        from .. import native
+        from ..analysis.image import check as check_image
+        from ..readers import read_field
+
+        if image is not None:
+            check_image(image)
+        self.name, self.phases = field, Phases()
+        self._out, self._image = out, image
+        load_core()
+        with self.phases("read"):
+            self.data = read_field(field, **reading)
+        with self.phases("mesh"):
+            self.mesh: Any = native.TriangleMesh(self.data.mesh.vertices, self.data.mesh.triangles)
+
+    def draw(self, draw: Callable[..., None], *arguments: Any) -> None:
+        """draw(image, mesh, *arguments) where a picture is asked for."""
+        if self._image is not None:
+            with self.phases("image"):
+                draw(self._image, self.mesh, *arguments)
+
+    def write(self, schema: str, content: dict[str, Any], seconds: dict[str, float] | None = None) -> None:
+        """The JSON, with what every command says."""
+        spent = self.phases.seconds | (seconds or {})
+        write_json(self._out, {"schema": schema, "mesh": describe_mesh(self.mesh), **content, "seconds": spent})
+
+
+def field_command(picture: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """FIELD, the options of its readers, --attribute, --json and --image, which shows `picture`. The command gets one
+    FieldInput for them, and its own options."""
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        @functools.wraps(command)
+        def opened(
+            field: str,
+            vector: str | None,
+            sphere_faces: int | None,
+            attribute: str,
+            out: str,
+            image: str | None,
+            **options: Any,
+        ) -> None:
+            given = FieldInput(field, out, image, vector=vector, sphere_faces=sphere_faces, attribute=attribute)
+            command(given, **options)
+
+        for option in (
+            click.option("--image", help=f"{picture}: .png, .pdf or .svg."),
+            click.option("--json", "out", required=True, help="File to write; - is standard output."),
+            click.option("--attribute", default="sf_advection", show_default=True, help="Vector attribute of a cache."),
+        ):
+            opened = option(opened)
+        return field_argument(opened)
+
+    return decorate
+
+
+def lam_option(command: Callable[..., None]) -> Callable[..., None]:
+    """--lam, checked before anything is read."""
+    return click.option(
+        "--lam", type=float, callback=_checked, help="λ of the instantaneous field, 0..1.  [default: the first sample]"
+    )(command)
+
+
+def _checked(_context: click.Context, _parameter: click.Parameter, lam: float | None) -> float | None:
+    if lam is not None and not 0.0 <= lam <= 1.0:
+        raise InputError(f"--lam {lam:g} is outside 0..1; λ runs from 0 to 1")
+    return lam
