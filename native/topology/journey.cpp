@@ -135,6 +135,10 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
       part_ = partOf[p.face];
       visits_.clear();
     }
+    if (++steps_ >= options.maximalSteps) {
+      arrive({});
+      return false;
+    }
     if (!passage) {
       if (++idle <= kIdleSteps) return true;
       arrive({destinations.circledIn(p.face), 0});
@@ -146,11 +150,7 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
       arrive(*arrival);
       return false;
     }
-    if (crossings_ >= options.maximalCrossings) {
-      arrive({});
-      return false;
-    }
-    return part_ == kNone || !cameBack(destinations, passage, part_);
+    return part_ == kNone || !cameBack(destinations, passage, time_ + time, part_);
   });
   time_ += trace.time;
   length += trace.length;
@@ -159,9 +159,12 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
   if (trace.reason == StopReason::StepLimit) arrive({});
 }
 
-bool Journey::cameBack(const Destinations& destinations, const Passage& passage, Index part) {
+bool Journey::cameBack(const Destinations& destinations, const Passage& passage, double time, Index part) {
   if (passage.halfedge == kNone) return false;
   Visits& visits = visits_[passage.halfedge];
+  // To and fro across an edge without any time is no return.
+  if (time <= visits.time) return false;
+  visits.time = time;
   const int kept = std::min<Index>(visits.count, Visits::kKept);
   const bool often = visits.count + 1 >= returnsWanted_;
   if (often) {

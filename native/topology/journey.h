@@ -101,13 +101,14 @@ class Journey {
   struct Visits {
     static constexpr int kKept = 8;
     Index count = 0;
+    double time = -1.0;  ///< of the last one, since the start
     std::array<double, kKept> fractions{};
     std::array<Index, kKept> numbers{};  ///< of the crossing, since the start
   };
-  bool cameBack(const Destinations& destinations, const Passage& passage, Index part);
+  bool cameBack(const Destinations& destinations, const Passage& passage, double time, Index part);
 
   std::unordered_map<Index, Visits> visits_;
-  Index part_ = kNone, crossings_ = 0, returnsWanted_ = 2;
+  Index part_ = kNone, crossings_ = 0, steps_ = 0, returnsWanted_ = 2;
   double time_ = 0.0;
 };
 

@@ -42,7 +42,9 @@ class ReturnMap {
   Index maximalCrossings() const { return maximalCrossings_; }
 
  private:
-  static constexpr int kIdleSteps = 500;
+  /// Steps inside one face after which a streamline will not leave it. Orbits of two or three faces, close around a
+  /// focus, take hundreds.
+  static constexpr int kIdleSteps = 5000;
 
   FlowWalk walk_;
   const Section* section_;
@@ -59,6 +61,7 @@ std::optional<Return> ReturnMap::run(double position, Visit&& visit) {
   int left = loops_;
   Index crossings = 0;
   int idle = 0;
+  double counted = 0.0;
   bool started = false;
   const auto end = walk_.run(section_->point(mesh, position, walk_.direction()),
                              [&](const SurfacePoint& p, double time, const Passage& passage) {
@@ -72,7 +75,10 @@ std::optional<Return> ReturnMap::run(double position, Visit&& visit) {
                                idle = 0;
                                if ((*partOf_)[p.face] != part_ || ++crossings > maximalCrossings_) return false;
                                const auto at = section_->at(mesh, passage);
-                               if (at && --left == 0) result = Return{*at, time, 0.0, crossings};
+                               // Along an edge its two faces may hand the streamline to and fro without any time.
+                               const bool loop = at && time > counted;
+                               if (loop) counted = time;
+                               if (loop && --left == 0) result = Return{*at, time, 0.0, crossings};
                                return left > 0;
                              });
   if (result) result->length = end.length;

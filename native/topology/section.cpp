@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "combinatorial/geometry_map.h"
+
 namespace stormfield {
 
 Index crossedAt(const VectorField& field, Index vertex, bool begins) {
@@ -23,10 +25,8 @@ Index crossedAt(const VectorField& field, Index vertex, bool begins) {
 }
 
 std::array<double, 2> acrossEnds(const VectorField& field, Index h) {
-  const VertexCharts& charts = *field.charts;
-  const TriangleMesh& mesh = charts.mesh();
-  return {(field.values[mesh.tail(h)] * std::polar(1.0, -charts.tailAngle(h))).imag(),
-          (field.values[mesh.head(h)] * std::polar(1.0, -charts.headAngle(h))).imag()};
+  const auto [tail, head] = endVectors(field, h);
+  return {tail.imag(), head.imag()};
 }
 
 Section::Section(const VectorField& field, Index halfedge, int beyond) {

@@ -79,8 +79,8 @@ struct TopologyOptions {
   /// A closed streamline whose neighbours, half an edge away on either side, return to within this part of that
   /// distance belongs to a band of closed streamlines.
   double bandTolerance = 3e-3;
-  /// Edge crossings after which a streamline is given up.
-  Index maximalCrossings = 500000;
+  /// Integration steps, as a rule one for each face, after which a streamline is given up.
+  Index maximalSteps = 500000;
 };
 
 /// The same for any number of threads. Reversing the field swaps kinds and directions and nothing else.

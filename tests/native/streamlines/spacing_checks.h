@@ -7,6 +7,7 @@
 
 #include "field/interpolation.h"
 #include "fixtures.h"
+#include "long_tests.h"
 #include "streamlines/evenly_spaced.h"
 
 namespace stormfield::test {
@@ -54,24 +55,25 @@ inline double distanceToLines(const TriangleMesh& mesh, const std::vector<Segmen
 /// Part of the points of all lines that have another line nearer than this.
 inline double crowdedPart(const TriangleMesh& mesh, const EvenStreamlines& lines, double nearerThan) {
   const auto segments = segmentsOf(mesh, lines);
-  std::size_t crowded = 0;
+  const std::size_t each = shortOrLong(3, 1);  // of so many points, which are close to each other
+  std::size_t crowded = 0, looked = 0;
   for (std::size_t i = 0; i + 1 < lines.offsets.size(); ++i) {
-    for (std::size_t k = lines.offsets[i]; k < lines.offsets[i + 1]; ++k) {
+    for (std::size_t k = lines.offsets[i]; k < lines.offsets[i + 1]; k += each, ++looked) {
       crowded += distanceToLines(mesh, segments, lines.points[k], 0.0, static_cast<Index>(i)) < nearerThan;
     }
   }
-  return static_cast<double>(crowded) / static_cast<double>(std::max<std::size_t>(1, lines.points.size()));
+  return static_cast<double>(crowded) / static_cast<double>(std::max<std::size_t>(1, looked));
 }
 
 /// The largest distance to a line of points all over the surface where the field flows.
 inline double largestGap(const VectorField& field, const EvenStreamlines& lines, double cosine = -0.72) {
-  constexpr int kPointsPerFace = 4;
+  const int pointsPerFace = shortOrLong(1, 4);
   const TriangleMesh& mesh = field.mesh();
   const auto segments = segmentsOf(mesh, lines);
   Random random(11);
   double largest = 0.0;
   for (Index f = 0; f < mesh.faceCount(); ++f) {
-    for (int i = 0; i < kPointsPerFace; ++i) {
+    for (int i = 0; i < pointsPerFace; ++i) {
       const SurfacePoint p{f, random.barycentric()};
       if (evaluate(field, p).norm() < 1e-4) continue;
       largest = std::max(largest, distanceToLines(mesh, segments, p, cosine));

@@ -7,6 +7,7 @@
 #include "checks.h"
 #include "field/poincare_index.h"
 #include "fixtures.h"
+#include "long_tests.h"
 #include "topology/zero_search.h"
 
 namespace stormfield::test {
@@ -117,7 +118,7 @@ void expectSound(const VectorField& field, const std::string& what) {
 TEST(FixedPoints, AreZerosInTheirFaces) {
   for (const NamedSurface& s : closedSurfaces()) {
     const auto charts = makeCharts(s.surface);
-    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    for (std::uint64_t seed = 0; seed < shortOrLong(6u, 30u); ++seed) {
       expectSound(randomField(charts, seed), message(s.name, ", random field ", seed));
       expectSound(randomIntegerField(charts, seed), message(s.name, ", integer field ", seed));
     }
@@ -187,7 +188,7 @@ TEST(ZeroSearch, FindsZerosWhereNewtonsMethodFails) {
     const Surface spike = surface({{1, 0, 0}, {-0.5, 0.8, 0}, {-0.5, -0.8, 0}, {0, 0, height}},
                                   {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
     const auto charts = makeCharts(spike);
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (std::uint64_t seed = 0; seed < shortOrLong(50u, 200u); ++seed) {
       const VectorField field = randomField(charts, seed);
       const std::vector<int> indices = poincareIndices(field);
       for (Index f = 0; f < 4; ++f) {

@@ -5,6 +5,7 @@
 #include "base/message.h"
 #include "checks.h"
 #include "flows.h"
+#include "long_tests.h"
 
 namespace stormfield::test {
 namespace {
@@ -66,8 +67,9 @@ double heightOnAxis(const VectorField& field, const PeriodicOrbit& orbit) {
 }
 
 TEST(PeriodicOrbits, OfEquation31AreExactlyN) {
-  for (int n = 1; n <= 10; ++n) {
-    const VectorField field = sampledOn(scaled(grid(40 * (n + 1)), (n + 0.999) * kPi), equation31);
+  const int cells = shortOrLong(10, 40);  // in 2 pi
+  for (const int n : shortOrLong<std::vector<int>>({1, 2, 3, 6, 10}, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10})) {
+    const VectorField field = sampledOn(scaled(grid(cells * (n + 1)), (n + 0.999) * kPi), equation31);
     const Topology topology = topologyOf(field);
     ASSERT_EQ(topology.periodicOrbits.size(), static_cast<std::size_t>(n));
     // From the middle outwards they attract and repel in turn, all linked in a chain that begins at the source.
@@ -86,13 +88,17 @@ TEST(PeriodicOrbits, OfEquation31AreExactlyN) {
 }
 
 TEST(PeriodicOrbits, OfEquation31HaveTheRightRadii) {
-  // Linear interpolation moves an orbit by the square of the edge length: fine cells for the two innermost orbits.
-  const VectorField field = sampledOn(scaled(grid(600, 0.2), 2.999 * kPi), equation31);
-  const Topology topology = topologyOf(field);
-  ASSERT_EQ(topology.periodicOrbits.size(), 2u);
-  for (const PeriodicOrbit& orbit : topology.periodicOrbits) {
-    const double height = heightOnAxis(field, orbit);
-    EXPECT_NEAR(height, exactHeight(height), 1e-3);
+  // Linear interpolation moves an orbit by the square of the edge length. Cells of 2 pi / 40 keep those of n = 1, 2 and
+  // 5 within 1e-3, cells of 2 pi / 80 those of every n up to 10 (1.5 million faces).
+  const int cells = shortOrLong(40, 80);
+  for (const int n : shortOrLong<std::vector<int>>({1, 2, 5}, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10})) {
+    const VectorField field = sampledOn(scaled(grid(cells * (n + 1), 0.2), (n + 0.999) * kPi), equation31);
+    const Topology topology = topologyOf(field);
+    ASSERT_EQ(topology.periodicOrbits.size(), static_cast<std::size_t>(n));
+    for (const PeriodicOrbit& orbit : topology.periodicOrbits) {
+      const double height = heightOnAxis(field, orbit);
+      EXPECT_NEAR(height, exactHeight(height), 1e-3) << "n = " << n;
+    }
   }
 }
 
@@ -107,7 +113,7 @@ SpaceFunction hopf(double growth, double turning) {
 TEST(PeriodicOrbits, OfHopfNormalForms) {
   for (const double turning : {1.0, -0.7}) {
     for (const double growth : {0.2, 0.5}) {
-      const VectorField field = sampledOn(grid(200, 0.2), hopf(growth, turning));
+      const VectorField field = sampledOn(grid(shortOrLong(100, 200), 0.2), hopf(growth, turning));
       const Topology topology = topologyOf(field);
       const std::string what = message("growth ", growth, ", turning ", turning);
       ASSERT_EQ(topology.periodicOrbits.size(), 1u) << what;
@@ -133,8 +139,9 @@ TEST(PeriodicOrbits, BeforeAHopfBifurcationAreNone) {
 
 TEST(PeriodicOrbits, NestOnSpheres) {
   // Latitudes turn around the axis and drift along it: orbits where the drift vanishes.
-  for (const Surface& s : {icosphere(5), uvSphere(64, 96), bumpySphere(5, 0.01)}) {
-    for (const int orbits : {1, 3, 7}) {
+  const int level = shortOrLong(3, 5), rings = shortOrLong(20, 64);
+  for (const Surface& s : {icosphere(level), uvSphere(rings, 3 * rings / 2), bumpySphere(level, 0.01)}) {
+    for (const int orbits : shortOrLong<std::vector<int>>({7}, {1, 3, 7})) {
       const VectorField field = sampledOn(s, [orbits](const Vec3& p) {
         const Vec3 east(-p.y(), p.x(), 0.0), north = Vec3::UnitZ() - p.z() * p;
         return Vec3(east + 0.5 * std::sin(0.5 * orbits * kPi * p.z()) * north);
@@ -144,7 +151,7 @@ TEST(PeriodicOrbits, NestOnSpheres) {
       for (const PeriodicOrbit& orbit : topology.periodicOrbits) {
         // At z = 2 i / orbits, repelling where i is even.
         const double i = 0.5 * orbits * position(field.mesh(), orbit.points[0]).normalized().z();
-        EXPECT_NEAR(i, std::round(i), 0.02) << orbits;
+        EXPECT_NEAR(i, std::round(i), shortOrLong(0.05, 0.02)) << orbits;
         const bool repelling = static_cast<int>(std::abs(std::round(i))) % 2 == 0;
         EXPECT_EQ(orbit.kind, repelling ? OrbitKind::Repelling : OrbitKind::Attracting) << orbits;
         EXPECT_NEAR(turnsAround(field.mesh(), orbit.points, Vec3::Zero()), 1.0, 1e-9);
@@ -169,16 +176,16 @@ VectorField onTorus(const Surface& s, const std::function<Complex(double, double
 
 TEST(PeriodicOrbits, AroundTheHoleOfATorus) {
   for (const int k : {1, 2, 3}) {
-    for (const double sign : {1.0, -1.0}) {
-      const VectorField field =
-          onTorus(torus(90, 60), [&](double, double v) { return Complex(sign, 0.5 * std::sin(k * v + 0.3)); });
+    for (const double sign : shortOrLong<std::vector<double>>({k == 2 ? -1.0 : 1.0}, {1.0, -1.0})) {
+      const VectorField field = onTorus(torus(shortOrLong(36, 90), shortOrLong(24, 60)),
+                                        [&](double, double v) { return Complex(sign, 0.5 * std::sin(k * v + 0.3)); });
       const Topology topology = topologyOf(field);
       EXPECT_TRUE(topology.fixedPoints.empty());
       ASSERT_EQ(topology.periodicOrbits.size(), static_cast<std::size_t>(2 * k)) << k;
       EXPECT_EQ(count(topology, OrbitKind::Attracting), k);
       for (const PeriodicOrbit& orbit : topology.periodicOrbits) {
         EXPECT_NEAR(turnsAround(field.mesh(), orbit.points, Vec3::Zero()), sign, 1e-9);
-        EXPECT_NEAR(orbit.period, 2.0 * kPi, 1e-2);
+        EXPECT_NEAR(orbit.period, 2.0 * kPi, shortOrLong(4e-2, 1e-2));  // as the square of the edge length
       }
       // Each repelling one leads to the attracting ones beside it.
       EXPECT_EQ(topology.links.size(), static_cast<std::size_t>(k == 1 ? 1 : 2 * k));
@@ -196,11 +203,13 @@ TEST(PeriodicOrbits, AlongVertices) {
 }
 
 TEST(PeriodicOrbits, ThatWindAroundATorusSeveralTimes) {
-  for (const auto& [p, q] : {std::pair{1, 2}, {2, 1}, {2, 3}, {3, 2}}) {
-    const VectorField field = onTorus(torus(120, 80), [p = p, q = q](double u, double v) {
-      const double drift = 0.4 * std::sin(p * v - q * u);
-      return Complex(p, q + drift);
-    });
+  const std::vector<std::pair<int, int>> few{{1, 2}, {3, 2}}, all{{1, 2}, {2, 1}, {2, 3}, {3, 2}};
+  for (const auto& [p, q] : shortOrLong(few, all)) {
+    const VectorField field =
+        onTorus(torus(shortOrLong(30, 120), shortOrLong(20, 80)), [p = p, q = q](double u, double v) {
+          const double drift = 0.4 * std::sin(p * v - q * u);
+          return Complex(p, q + drift);
+        });
     const Topology topology = topologyOf(field);
     ASSERT_EQ(topology.periodicOrbits.size(), 2u) << p << ", " << q;
     EXPECT_EQ(count(topology, OrbitKind::Attracting), 1);
@@ -229,6 +238,15 @@ TEST(PeriodicOrbits, AroundAHandleOfGenusTwo) {
   EXPECT_GE(around, 1);
 }
 
+TEST(PeriodicOrbits, AroundAFocusAcrossTwoFacesTakeManySteps) {
+  // A rough field on a coarse surface: one of its orbits winds closely around a source, hundreds of steps in one face.
+  TopologyOptions options;
+  options.maximalSteps = 20000;
+  const auto charts = makeCharts(joined(icosphere(1), torus(8, 6), {4, 0, 0}));
+  const Topology topology = topologyOf(randomField(charts, 2), options);
+  for (const Separatrix& s : topology.separatrices) EXPECT_LT(s.points.size(), 2000u);
+}
+
 TEST(PeriodicOrbits, InABandAreOneEntry) {
   const auto turning = [](const Vec3& p) { return Vec3(-p.y(), p.x(), 0.0); };
   for (const Surface& s : {grid(24, 0.3), grid(24), annulus(60, 8)}) {
@@ -242,7 +260,7 @@ TEST(PeriodicOrbits, InABandAreOneEntry) {
 }
 
 TEST(PeriodicOrbits, OfTheReversedFieldAreTheSameTheOtherWayRound) {
-  const VectorField field = sampledOn(scaled(grid(120, 0.2), 3.999 * kPi), equation31);
+  const VectorField field = sampledOn(scaled(grid(80, 0.2), 3.999 * kPi), equation31);
   const Topology a = topologyOf(field), b = topologyOf(reversedField(field));
   ASSERT_EQ(a.periodicOrbits.size(), 3u);
   ASSERT_EQ(b.periodicOrbits.size(), 3u);

@@ -11,6 +11,7 @@
 #include "checks.h"
 #include "data_sets.h"
 #include "flows.h"
+#include "long_tests.h"
 #include "tracing/streamline.h"
 
 namespace stormfield::test {
@@ -79,7 +80,7 @@ TEST(Topology, OfSmoothFieldsIsSound) {
       {"square", grid(40, 0.3), 1},     {"annulus", annulus(60, 16), 0},
       {"cylinder", cylinder(60, 24), 0}};
   for (const NamedSurface& s : surfaces) {
-    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    for (std::uint64_t seed = 0; seed < shortOrLong(3u, 12u); ++seed) {
       const VectorField field = smoothField(s.surface, seed);
       expectSound(field, topologyOf(field), message(s.name, ", seed ", seed));
     }
@@ -99,13 +100,13 @@ double distanceToAttractors(const VectorField& field, const Topology& topology, 
 }
 
 TEST(Topology, HoldsWhereEveryStreamlineGoes) {
-  for (const Surface& s : {icosphere(4), torus(60, 30), scaled(plateWithHoles(2, 6), 0.15)}) {
-    for (std::uint64_t seed = 0; seed < 8; ++seed) {
+  for (const Surface& s : {icosphere(3), torus(45, 20), scaled(plateWithHoles(2, 6), 0.15)}) {
+    for (std::uint64_t seed = 0; seed < shortOrLong(2u, 8u); ++seed) {
       for (const VectorField& forward : {smoothField(s, seed), reversedField(smoothField(s, seed))}) {
         const Topology topology = topologyOf(forward);
         const FlatFaces faces(forward.charts);
         Random random(seed);
-        std::vector<SurfacePoint> seeds(150);
+        std::vector<SurfacePoint> seeds(shortOrLong(50, 150));
         for (SurfacePoint& p : seeds) p = {random.below(forward.mesh().faceCount()), random.barycentric(0.05)};
         const auto ends = traceStreamlineEnds(faces, forward, seeds, {.maximalLength = 300.0, .minimalSpeed = 1e-5});
         for (const TraceEnd& end : ends) {
@@ -120,7 +121,7 @@ TEST(Topology, HoldsWhereEveryStreamlineGoes) {
 TEST(Topology, OfRandomVectorsEnds) {
   for (const NamedSurface& s : closedSurfaces()) {
     const auto charts = makeCharts(s.surface);
-    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    for (std::uint64_t seed = 4; seed < shortOrLong(5u, 12u); ++seed) {
       for (const VectorField& field : {randomField(charts, seed), randomIntegerField(charts, seed)}) {
         const Topology topology = topologyOf(field);
         int sum = 0;
@@ -189,7 +190,7 @@ void expectReversed(const Topology& a, const Topology& b, const std::string& wha
 
 TEST(Topology, OfTheReversedFieldSwapsKindsAndArrows) {
   for (const Surface& s : {bumpySphere(4, 0.03), torus(60, 30), grid(40, 0.3)}) {
-    for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    for (std::uint64_t seed = 0; seed < shortOrLong(2u, 8u); ++seed) {
       const VectorField field = smoothField(s, seed);
       expectReversed(topologyOf(field), topologyOf(reversedField(field)), message("seed ", seed));
     }
@@ -197,7 +198,7 @@ TEST(Topology, OfTheReversedFieldSwapsKindsAndArrows) {
 }
 
 TEST(Topology, DoesNotDependOnLabels) {
-  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+  for (std::uint64_t seed = 0; seed < shortOrLong(3u, 8u); ++seed) {
     const Surface s = bumpySphere(4, 0.03);
     const VectorField field = smoothField(s, seed);
     Surface turned = s;
@@ -222,7 +223,7 @@ TEST(Topology, DoesNotDependOnLabels) {
 }
 
 TEST(Topology, DoesNotDependOnThreads) {
-  const VectorField field = sampledOn(scaled(grid(120, 0.2), 3.999 * kPi), equation31);
+  const VectorField field = sampledOn(scaled(grid(80, 0.2), 3.999 * kPi), equation31);
   for (const VectorField& f : {field, smoothField(bumpySphere(4, 0.03), 3)}) {
     const Topology a = topologyOf(f);
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);

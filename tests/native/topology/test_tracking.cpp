@@ -9,6 +9,7 @@
 #include "base/message.h"
 #include "checks.h"
 #include "field/poincare_index.h"
+#include "long_tests.h"
 #include "tracked_fields.h"
 
 namespace stormfield::test {
@@ -120,11 +121,12 @@ TEST(Tracking, HoldsTheIndicesAtEveryLambda) {
   surfaces.push_back({"several components", severalComponents(), 3});
   for (const NamedSurface& s : surfaces) {
     const auto charts = makeCharts(s.surface);
-    for (std::uint64_t seed = 0; seed < 2; ++seed) {
-      expectSound(randomHistory(charts, 6, seed), message(s.name, ", random ", seed));
+    for (std::uint64_t seed = 0; seed < shortOrLong(1u, 4u); ++seed) {
+      const int samples = shortOrLong(3, 6);
+      expectSound(randomHistory(charts, samples, seed), message(s.name, ", random ", seed));
       expectSound(smoothBlend(charts, 8, seed), message(s.name, ", smooth ", seed));
       // Zeros on edges belong to either face.
-      expectSound(randomIntegerHistory(charts, 6, seed), message(s.name, ", integers ", seed), false);
+      expectSound(randomIntegerHistory(charts, samples, seed), message(s.name, ", integers ", seed), false);
     }
   }
 }
@@ -223,7 +225,7 @@ void expectSame(const Tracking& a, const Tracking& b) {
 }
 
 TEST(Tracking, DoesNotDependOnLabelsOrThreads) {
-  const Surface s = bumpySphere(3, 0.2);
+  const Surface s = bumpySphere(shortOrLong(2, 3), 0.2);
   const ParameterizedField field = randomIntegerHistory(makeCharts(s), 7, 4);
   const Tracking tracking = track(field);
   Surface reversedLabels = s;
@@ -241,7 +243,7 @@ TEST(Tracking, DoesNotDependOnLabelsOrThreads) {
 }
 
 TEST(Tracking, DoesNotDependOnTheOrderOfFaces) {
-  const Surface s = bumpySphere(3, 0.2);
+  const Surface s = bumpySphere(shortOrLong(2, 3), 0.2);
   const auto charts = makeCharts(s);
   const ParameterizedField field = randomHistory(charts, 5, 9);
   Surface other = s;

@@ -6,6 +6,7 @@
 
 #include "base/message.h"
 #include "checks.h"
+#include "long_tests.h"
 #include "tracked_fields.h"
 
 namespace stormfield::test {
@@ -53,7 +54,8 @@ TEST(TrackingPersistence, KeepsTheIndexSumAndLeavesOnlyLongLives) {
   for (const NamedSurface& s : closedSurfaces()) {
     const auto charts = makeCharts(s.surface);
     for (const ParameterizedField& field :
-         {randomHistory(charts, 9, 1), randomIntegerHistory(charts, 6, 2), smoothBlend(charts, 12, 3)}) {
+         {randomHistory(charts, shortOrLong(4, 9), 1), randomIntegerHistory(charts, shortOrLong(3, 6), 2),
+          smoothBlend(charts, 12, 3)}) {
       const Tracking all = track(field);
       for (const double minLife : {0.0, 0.01, 0.1, 0.4, 0.9}) {
         const std::string what = message(s.name, ", life ", minLife);
