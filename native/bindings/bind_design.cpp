@@ -18,7 +18,7 @@ using ElementLists = std::vector<std::vector<DesignElement>>;
 struct SolvedField {
   ParameterizedFieldHandle field;
   int iterations = 0;
-  double residual = 0.0;
+  double residual = 0.0, error = 0.0;
   std::vector<Index> componentsWithoutConstraint;
 };
 
@@ -82,6 +82,7 @@ SolvedFields solveAll(const MeshPointer& mesh, const ElementLists& lists, const 
     solved.push_back(std::make_shared<SolvedField>(SolvedField{{mesh, std::move(result.field)},
                                                                result.iterations,
                                                                result.residual,
+                                                               result.error,
                                                                std::move(result.componentsWithoutConstraint)}));
   }
   return solved;
@@ -120,6 +121,8 @@ void bind_design(py::module_& m) {
       .def_readonly("field", &SolvedField::field, "ParameterizedField.")
       .def_readonly("iterations", &SolvedField::iterations, "Of the Krylov method.")
       .def_readonly("residual", &SolvedField::residual, "True relative residual.")
+      .def_readonly("error", &SolvedField::error,
+                    "Estimated difference to the exact field, relative, in the mean square.")
       .def_readonly("components_without_constraint", &SolvedField::componentsWithoutConstraint,
                     "Components of the mesh that no element reaches: their field is zero.");
 

@@ -109,6 +109,9 @@ void bind_solver(py::module_& m) {
       .def_property_readonly(
           "residual", [](const SolveOutput& r) { return r.result.residual; }, "True relative residual.")
       .def_property_readonly(
+          "error", [](const SolveOutput& r) { return r.result.error; },
+          "Estimated difference to the exact field, relative, in the mean square.")
+      .def_property_readonly(
           "components_without_constraint", [](const SolveOutput& r) { return r.result.componentsWithoutConstraint; },
           "Components of the mesh that no constraint touches: their field is zero.");
 

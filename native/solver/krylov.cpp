@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -11,13 +12,14 @@
 namespace stormfield {
 namespace {
 
-/// A minimal-residual step that leaves more than this of the residual was the last of its kind.
-constexpr double kSlowStep = 0.5;
 /// The length of the next residual follows from inner products when it is no shorter than this part of the last one;
 /// below, their rounding shows.
 constexpr double kTrustedGain = 0.03;
-/// Part of the residual that a minimal-residual step may leave alone, where that saves work.
+/// Part of the first residual that the first step may leave alone, where that saves work.
 constexpr double kSilentPart = 3e-3;
+/// No step is trusted to leave less than this part of the error, nor the first one less than half.
+constexpr double kBestGain = 0.15;
+constexpr double kFirstGain = 0.5;
 
 double lengthOf(const std::vector<double>& squares) {
   return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0));
@@ -26,7 +28,7 @@ double lengthOf(const std::vector<double>& squares) {
 class Iteration {
  public:
   Iteration(Multigrid& multigrid, const SpaceTimeOperator& matrix, KrylovVectors& vectors, std::vector<double> squares,
-            double target, int maxSteps, Progress& progress)
+            const KrylovGoal& goal, Progress& progress)
       : multigrid_(multigrid),
         matrix_(matrix),
         x_(vectors.x.data()),
@@ -36,37 +38,17 @@ class Iteration {
         squares_(std::move(squares)),
         first_(lengthOf(squares_)),
         length_(first_),
-        target_(target),
-        maxSteps_(maxSteps),
+        goal_(goal),
         progress_(progress) {}
 
-  int run() {
-    while (!finished() && minimalResidualStep()) {
+  KrylovOutcome run() {
+    while (step() && !met() && outcome_.steps < goal_.maxSteps) {
     }
-    conjugateGradients();
-    return steps_;
+    return outcome_;
   }
 
  private:
-  bool finished() const { return length_ <= target_ || steps_ >= maxSteps_; }
-
-  /// Keeps what body(offset, floats) returns per chunk.
-  template <typename Body>
-  void forFloats(std::vector<double>& parts, const Body& body) const {
-    const SurfaceLevel& level = multigrid_.finest();
-    const std::size_t stride = level.lambda.stride();
-    parts.resize(level.sweep.chunks());
-    forAllChunks(level, progress_, [&](Index chunk) {
-      const std::size_t begin = level.sweep.chunkStart[chunk] * stride;
-      parts[chunk] = body(begin, level.sweep.chunkStart[chunk + 1] * stride - begin);
-    });
-  }
-
-  void count(double length) {
-    length_ = length;
-    ++steps_;
-    progress_.report(std::clamp(std::log(length_ / first_) / std::log(target_ / first_), 0.0, 1.0));
-  }
+  bool met() const { return length_ <= goal_.residual && outcome_.error <= goal_.error; }
 
   /// Chunks that are passed over in the first half of a cycle: the smallest residuals, together a small part of all.
   std::vector<char> silentChunks() const {
@@ -84,70 +66,104 @@ class Iteration {
     return silent;
   }
 
-  /// Returns false when the step was slow.
-  bool minimalResidualStep() {
-    multigrid_.apply(r_, z_, silentChunks(), progress_);
-    const SpaceTimeOperator::Products products = matrix_.apply(z_, p_, r_, progress_);
-    if (!(products.image > 0.0)) return false;
-    const float alpha = static_cast<float>(products.withImage / products.image);
-    const double square = length_ * length_ - products.withImage * products.withImage / products.image;
-    const double foreseen = std::sqrt(std::max(square, 0.0));
-    const bool last = foreseen <= target_ && foreseen >= kTrustedGain * length_;
-    forFloats(squares_, [&](std::size_t at, std::size_t size) {
-      kernels::addRow(alpha, z_ + at, x_ + at, size);
-      if (last) return 0.0;
-      kernels::addRow(-alpha, p_ + at, r_ + at, size);
-      return kernels::dotRow(r_ + at, r_ + at, size);
+  /// p = M r, conjugate to the last p.
+  void nextDirection() {
+    if (outcome_.steps == 0) {
+      multigrid_.apply(r_, p_, silentChunks(), progress_);
+      return;
+    }
+    const float beta = static_cast<float>(multigrid_.apply(r_, z_, {}, progress_) / products_.residualStep);
+    const SurfaceLevel& level = multigrid_.finest();
+    const std::size_t stride = level.lambda.stride();
+    forAllChunks(level, progress_, [&](Index chunk) {
+      const std::size_t at = level.sweep.chunkStart[chunk] * stride;
+      kernels::scaleAndAdd(beta, z_ + at, p_ + at, level.sweep.chunkStart[chunk + 1] * stride - at);
     });
-    const double before = length_;
-    count(last ? foreseen : lengthOf(squares_));
-    return length_ <= kSlowStep * before;
   }
 
-  void conjugateGradients() {
-    std::vector<double> parts;
-    double rz = 0.0;
-    for (bool start = true; !finished(); start = false) {
-      const double previous = rz;
-      multigrid_.apply(r_, z_, {}, progress_);
-      forFloats(parts, [&](std::size_t at, std::size_t size) { return kernels::dotRow(r_ + at, z_ + at, size); });
-      rz = std::accumulate(parts.begin(), parts.end(), 0.0);
-      const float beta = start ? 0.0f : static_cast<float>(rz / previous);
-      forFloats(parts, [&](std::size_t at, std::size_t size) {
-        kernels::scaleAndAdd(beta, z_ + at, p_ + at, size);
-        return 0.0;
-      });
-      const double curvature = matrix_.apply(p_, z_, p_, progress_).withImage;
-      if (!(curvature > 0.0)) return;
-      const float alpha = static_cast<float>(rz / curvature);
-      forFloats(squares_, [&](std::size_t at, std::size_t size) {
-        kernels::addRow(alpha, p_ + at, x_ + at, size);
-        kernels::addRow(-alpha, z_ + at, r_ + at, size);
-        return kernels::dotRow(r_ + at, r_ + at, size);
-      });
-      count(lengthOf(squares_));
+  /// Length of r - alpha A p.
+  double foreseen(double alpha) const {
+    const double square = length_ * length_ - alpha * (2.0 * products_.residualImage - alpha * products_.imageImage);
+    return std::sqrt(std::max(square, 0.0));
+  }
+  bool reaches(double alpha) const {
+    return foreseen(alpha) <= goal_.residual && foreseen(alpha) >= kTrustedGain * length_;
+  }
+
+  /// Of x after the step alpha p, relative to x as long as it was last time; infinite where that is not known.
+  double estimatedError(double stepLength) const {
+    const double gain = lastStep_ == 0.0 ? kFirstGain : std::max(kBestGain, stepLength / lastStep_);
+    if (gain >= 1.0 || solution_ == 0.0) return std::numeric_limits<double>::infinity();
+    return stepLength * gain / (1.0 - gain) / solution_;
+  }
+
+  /// x += alpha p; r -= alpha q, unless this is the last step. Takes their lengths.
+  void advance(double alpha, const float* q, bool last) {
+    const SurfaceLevel& level = multigrid_.finest();
+    const std::size_t stride = level.lambda.stride();
+    std::vector<double> solution(squares_.size(), 0.0);
+    forAllChunks(level, progress_, [&](Index chunk) {
+      double square = 0.0;
+      for (Index i = level.sweep.chunkStart[chunk]; i < level.sweep.chunkStart[chunk + 1]; ++i) {
+        const std::size_t at = i * stride;
+        kernels::addRow(static_cast<float>(alpha), p_ + at, x_ + at, stride);
+        if (last) continue;
+        solution[chunk] += matrix_.mass(i) * kernels::dotRow(x_ + at, x_ + at, stride);
+        kernels::addRow(static_cast<float>(-alpha), q + at, r_ + at, stride);
+        square += kernels::dotRow(r_ + at, r_ + at, stride);
+      }
+      squares_[chunk] = square;
+    });
+    length_ = last ? foreseen(alpha) : lengthOf(squares_);
+    if (!last) solution_ = lengthOf(solution);
+  }
+
+  /// Returns false when there is nothing left to gain.
+  bool step() {
+    nextDirection();
+    float* q = z_;
+    products_ = matrix_.apply(p_, q, r_, progress_);
+    if (!(products_.stepImage > 0.0)) {
+      if (products_.stepStep == 0.0) outcome_.error = 0.0;
+      return false;
     }
+    double alpha = products_.residualStep / products_.stepImage;
+    const double shortest = products_.residualImage / products_.imageImage;
+    const double stepLength = std::abs(alpha) * std::sqrt(products_.stepStep);
+    const bool exact = estimatedError(stepLength) <= goal_.error;
+    if (exact && !reaches(alpha) && reaches(shortest)) alpha = shortest;
+    advance(alpha, q, exact && reaches(alpha));
+    outcome_.error = estimatedError(stepLength);
+    lastStep_ = stepLength;
+    ++outcome_.steps;
+    progress_.report(
+        std::clamp(std::log(length_ / first_) / std::log(std::min(0.5, goal_.residual / first_)), 0.0, 1.0));
+    return true;
   }
 
   Multigrid& multigrid_;
   const SpaceTimeOperator& matrix_;
   float *x_, *r_, *z_, *p_;
   std::vector<double> squares_;  ///< of r per chunk
-  double first_, length_, target_;
-  int maxSteps_, steps_ = 0;
+  double first_, length_;
+  double solution_ = 0.0;  ///< length of x in the mean square over surface and lambda, 0 before it is known
+  double lastStep_ = 0.0;
+  SpaceTimeOperator::Products products_;
+  KrylovGoal goal_;
+  KrylovOutcome outcome_{0, std::numeric_limits<double>::infinity()};
   Progress& progress_;
 };
 
 }  // namespace
 
-int krylovSolve(Multigrid& multigrid, const SpaceTimeOperator& matrix, KrylovVectors& vectors,
-                std::vector<double> squares, double target, int maxSteps, Progress& progress) {
+KrylovOutcome krylovSolve(Multigrid& multigrid, const SpaceTimeOperator& matrix, KrylovVectors& vectors,
+                          std::vector<double> squares, const KrylovGoal& goal, Progress& progress) {
   vectors.z = FieldBuffer(vectors.x.size());
   vectors.p = FieldBuffer(vectors.x.size());
-  const int steps = Iteration(multigrid, matrix, vectors, std::move(squares), target, maxSteps, progress).run();
+  const KrylovOutcome outcome = Iteration(multigrid, matrix, vectors, std::move(squares), goal, progress).run();
   vectors.z = FieldBuffer();
   vectors.p = FieldBuffer();
-  return steps;
+  return outcome;
 }
 
 }  // namespace stormfield

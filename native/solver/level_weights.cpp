@@ -12,8 +12,9 @@ constexpr Index kBlock = 256;
 
 /// Where a weight is much larger than the couplings of the surface, the fine levels hold the value and the coarser ones
 /// must not spread the weight to what lies beside it: no more than this times the diagonal is handed on. (Two storms of
-/// weight 4e5, 20k vertices x 100 samples, from zero to 1e-4: 6 steps without the limit, 4 with it.)
-constexpr double kMostWeight = 2.0;
+/// weight 4e5, 20k vertices x 100 samples, from zero: what is left of the error after 3 steps is 0.4 % with 1.3, 0.9 %
+/// with 2, 3.6 % with 4, 0.7 % with 0.8.)
+constexpr double kMostWeight = 1.3;
 
 /// Pivots below this part of the diagonal are zero: a line without constraint on a surface without curvature.
 constexpr double kSmallestPivot = 1e-12;

@@ -1,6 +1,7 @@
 #include "solver/multigrid.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "solver/chunk_loop.h"
@@ -123,8 +124,8 @@ void Multigrid::constrain(const ConstraintRows& constraints, const Progress& pro
   }
 }
 
-void Multigrid::apply(const float* r, float* z, const std::vector<char>& silent, const Progress& progress) {
-  cycle(0, r, z, silent, progress);
+double Multigrid::apply(const float* r, float* z, const std::vector<char>& silent, const Progress& progress) {
+  return cycle(0, r, z, silent, progress);
 }
 
 bool Multigrid::touched(Index chunk, const std::vector<char>& silent) const {
@@ -134,8 +135,8 @@ bool Multigrid::touched(Index chunk, const std::vector<char>& silent) const {
                      [&](const kernels::Coupling& c) { return !silent[chunkOf_[c.column]]; });
 }
 
-void Multigrid::cycle(std::size_t l, const float* b, float* x, const std::vector<char>& silent,
-                      const Progress& progress) {
+double Multigrid::cycle(std::size_t l, const float* b, float* x, const std::vector<char>& silent,
+                        const Progress& progress) {
   const SurfaceLevel& level = hierarchy_.levels[l];
   LevelData& data = data_[l];
   const SweepOrder& sweep = level.sweep;
@@ -160,15 +161,22 @@ void Multigrid::cycle(std::size_t l, const float* b, float* x, const std::vector
       });
     }
   };
+  std::vector<double> products(sweep.chunks(), 0.0);
   auto backward = [&] {
     for (Index colour = sweep.colours() - 1; colour >= 0; --colour) {
       forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], parallel, progress, [&](Index chunk) {
         Relaxation relax(level, inverse, mass.data(), b, x, true);
         for (Index i = sweep.chunkStart[chunk + 1] - 1; i >= sweep.pairEnd[chunk]; --i) relax.single(i, -1);
         for (Index i = sweep.pairEnd[chunk] - 2; i >= sweep.chunkStart[chunk]; i -= 2) relax.pair(i, -1);
+        if (l > 0) return;
+        const Index first = sweep.chunkStart[chunk], last = sweep.chunkStart[chunk + 1];
+        for (Index i = first; i < last; ++i) {
+          products[chunk] += kernels::dotRow(b + i * stride, x + i * stride, stride);
+        }
       });
     }
   };
+  auto product = [&] { return std::accumulate(products.begin(), products.end(), 0.0); };
 
   forward(true);
   if (l + 1 == data_.size()) {
@@ -176,8 +184,9 @@ void Multigrid::cycle(std::size_t l, const float* b, float* x, const std::vector
       backward();
       forward(false);
     }
+    products.assign(products.size(), 0.0);
     backward();
-    return;
+    return product();
   }
 
   const SurfaceLevel& next = hierarchy_.levels[l + 1];
@@ -235,6 +244,7 @@ void Multigrid::cycle(std::size_t l, const float* b, float* x, const std::vector
     }
   });
   backward();
+  return product();
 }
 
 }  // namespace stormfield

@@ -19,9 +19,9 @@ class Multigrid {
   /// factorised again.
   void constrain(const ConstraintRows& constraints, const Progress& progress);
 
-  /// z = M r for rows of the finest level. silent: chunks of it where r is small enough for the forward sweep to pass
-  /// them over (none when empty); M is symmetric without them only.
-  void apply(const float* r, float* z, const std::vector<char>& silent, const Progress& progress);
+  /// z = M r for rows of the finest level; returns the inner product of r and z. silent: chunks of it where r is small
+  /// enough for the forward sweep to pass them over (none when empty); M is symmetric without them only.
+  double apply(const float* r, float* z, const std::vector<char>& silent, const Progress& progress);
 
   const SurfaceLevel& finest() const { return hierarchy_.levels.front(); }
 
@@ -32,7 +32,8 @@ class Multigrid {
     FieldBuffer x, b, residual;  ///< residual: of the rows here, restricted in lambda
   };
 
-  void cycle(std::size_t level, const float* b, float* x, const std::vector<char>& silent, const Progress& progress);
+  /// Returns the inner product of b and x on the finest level.
+  double cycle(std::size_t level, const float* b, float* x, const std::vector<char>& silent, const Progress& progress);
   /// Whether a silent chunk of the finest level has neighbours that are not.
   bool touched(Index chunk, const std::vector<char>& silent) const;
 

@@ -18,10 +18,16 @@ inline void prefetchAhead(const float* rows, Index row, Index end, std::size_t s
 template <typename Real>
 inline double dotRow(const Real* a, const Real* b, std::size_t stride) {
   constexpr std::size_t kLanes = 16 / sizeof(Real);
-  VectorOf<16, Real> sums = {};
-  for (std::size_t k = 0; k < stride; k += kLanes) sums += load(a + k) * load(b + k);
+  // Four sums, so that none waits for the one before.
+  VectorOf<16, Real> sums[4] = {};
+  std::size_t k = 0;
+  for (; k + 4 * kLanes <= stride; k += 4 * kLanes) {
+    for (std::size_t s = 0; s < 4; ++s) sums[s] += load(a + k + s * kLanes) * load(b + k + s * kLanes);
+  }
+  for (; k < stride; k += kLanes) sums[0] += load(a + k) * load(b + k);
+  const VectorOf<16, Real> all = (sums[0] + sums[1]) + (sums[2] + sums[3]);
   double sum = 0.0;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) sum += static_cast<double>(sums[lane]);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) sum += static_cast<double>(all[lane]);
   return sum;
 }
 

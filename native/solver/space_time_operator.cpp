@@ -31,7 +31,7 @@ void SpaceTimeOperator::image(Index row, const float* x, float* out) const {
   }
 }
 
-SpaceTimeOperator::Products SpaceTimeOperator::apply(const float* p, float* q, const float* with,
+SpaceTimeOperator::Products SpaceTimeOperator::apply(const float* p, float* q, const float* r,
                                                      const Progress& progress) const {
   const std::size_t stride = level_.lambda.stride();
   std::vector<Products> parts(level_.sweep.chunks());
@@ -40,15 +40,22 @@ SpaceTimeOperator::Products SpaceTimeOperator::apply(const float* p, float* q, c
     for (Index i = level_.sweep.chunkStart[chunk]; i < level_.sweep.chunkStart[chunk + 1]; ++i) {
       float* out = q + i * stride;
       image(i, p, out);
-      part.withImage += kernels::dotRow(with + i * stride, out, stride);
-      part.image += kernels::dotRow(out, out, stride);
+      const float *step = p + i * stride, *residual = r + i * stride;
+      part.residualStep += kernels::dotRow(residual, step, stride);
+      part.stepImage += kernels::dotRow(step, out, stride);
+      part.residualImage += kernels::dotRow(residual, out, stride);
+      part.imageImage += kernels::dotRow(out, out, stride);
+      part.stepStep += mass_[i] * kernels::dotRow(step, step, stride);
     }
     parts[chunk] = part;
   });
   Products sum;
   for (const Products& part : parts) {
-    sum.withImage += part.withImage;
-    sum.image += part.image;
+    sum.residualStep += part.residualStep;
+    sum.stepImage += part.stepImage;
+    sum.residualImage += part.residualImage;
+    sum.imageImage += part.imageImage;
+    sum.stepStep += part.stepStep;
   }
   return sum;
 }

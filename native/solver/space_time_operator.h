@@ -12,15 +12,22 @@ namespace stormfield {
 
 class SpaceTimeOperator {
  public:
-  SpaceTimeOperator(const SurfaceLevel& finest, const ConstraintRows& constraints)
-      : level_(finest), constraints_(constraints) {}
+  /// mass: area of each row's vertex over that of the surface.
+  SpaceTimeOperator(const SurfaceLevel& finest, const std::vector<double>& mass, const ConstraintRows& constraints)
+      : level_(finest), mass_(mass), constraints_(constraints) {}
 
+  double mass(Index row) const { return mass_[row]; }
+
+  /// Inner products of a step p, its image q = A p and the residual r.
   struct Products {
-    double withImage = 0.0;  ///< inner product of `with` and q
-    double image = 0.0;      ///< of q and q
+    double residualStep = 0.0;   ///< r p
+    double stepImage = 0.0;      ///< p q
+    double residualImage = 0.0;  ///< r q
+    double imageImage = 0.0;     ///< q q
+    double stepStep = 0.0;       ///< p p, weighted by area
   };
   /// q = A p.
-  Products apply(const float* p, float* q, const float* with, const Progress& progress) const;
+  Products apply(const float* p, float* q, const float* r, const Progress& progress) const;
 
   /// r = b / scale - A x; hard values must be in their places in x. `before`: the constraints for which r holds the
   /// residual of the same x already; rows that they treat alike are passed over. Returns the squared length per chunk.
@@ -31,6 +38,7 @@ class SpaceTimeOperator {
   void image(Index row, const float* x, float* out) const;
 
   const SurfaceLevel& level_;
+  const std::vector<double>& mass_;
   const ConstraintRows& constraints_;
 };
 

@@ -20,6 +20,8 @@ namespace {
 
 /// One run in single precision gains at most about this; what is left goes through the residual in double precision.
 constexpr double kSinglePrecisionGain = 1e-5;
+/// What single precision can tell of a field's error.
+constexpr double kBestAccuracy = 1e-5;
 /// Room for the difference between the residual that is carried along and the true one.
 constexpr double kSafety = 0.99;
 
@@ -76,6 +78,7 @@ struct SpaceTimeState::Data {
   std::shared_ptr<const SpaceTimeSolver::System> system;
   ConstraintRows rows;
   bool residualKnown = false;  ///< vectors.r is the residual of vectors.x under rows
+  double error = 0.0;          ///< estimated, of the solution under rows, where its residual is known
   Multigrid multigrid;
   KrylovVectors vectors;
   double scale = 0.0;  ///< the solution is scale * vectors.x; 0: there is none
@@ -100,6 +103,10 @@ SpaceTimeSolver::SpaceTimeSolver(std::shared_ptr<const VertexCharts> charts, Spa
   }
   if (!(options_.tolerance > 0.0) || options_.tolerance >= 1.0) {
     throw InputError(message("the tolerance must be between 0 and 1, not ", options_.tolerance));
+  }
+  if (!(options_.accuracy >= kBestAccuracy)) {
+    throw InputError(message("the accuracy must be at least ", kBestAccuracy, ", not ", options_.accuracy,
+                             ": for more, lower the tolerance"));
   }
   if (options_.maxIterations < 1) throw InputError("the solver needs at least one iteration");
   system_ = std::make_shared<const System>(connectionLaplacian(*charts_), options_.samples, lambdaCoupling(options_),
@@ -131,7 +138,7 @@ class SpaceTimeSolver::Solve {
         residual_(solver.system_->residual),
         mass_(solver.system_->hierarchy.matrix.mass),
         state_(state),
-        operator_(state.multigrid.finest(), state.rows),
+        operator_(state.multigrid.finest(), mass_, state.rows),
         progress_(progress) {}
 
   SpaceTimeResult run(const ConstraintSet& constraints) {
@@ -148,8 +155,9 @@ class SpaceTimeSolver::Solve {
     } else {
       state_.multigrid.constrain(state_.rows, progress_);
       Squares first = start();
+      const bool solved = sameConstraints();
       rows = {};
-      inSinglePrecision(std::move(first));
+      inSinglePrecision(std::move(first), solved);
       if (result_.residual > options_.tolerance) inDoublePrecision();
     }
     progress_.report(1.0);
@@ -215,19 +223,38 @@ class SpaceTimeSolver::Solve {
     return residual();
   }
 
-  void iterate(Squares squares, double target) {
-    result_.iterations += krylovSolve(state_.multigrid, operator_, state_.vectors, std::move(squares), target,
-                                      options_.maxIterations - result_.iterations, progress_);
+  /// Returns the estimated error.
+  double iterate(Squares squares, double residual, double error) {
+    const KrylovGoal goal{residual, error, options_.maxIterations - result_.iterations};
+    const KrylovOutcome outcome =
+        krylovSolve(state_.multigrid, operator_, state_.vectors, std::move(squares), goal, progress_);
+    result_.iterations += outcome.steps;
+    return outcome.error;
+  }
+  /// Whether the state's solution is that of these constraints already.
+  bool sameConstraints() const {
+    for (Index row = 0; before_ && row < static_cast<Index>(mass_.size()); ++row) {
+      if (!state_.rows.sameRow(row, *before_)) return false;
+    }
+    return before_ != nullptr;
   }
 
-  void inSinglePrecision(Squares squares) {
+  /// A residual that is short enough says nothing of a solution that was not solved for.
+  void inSinglePrecision(Squares squares, bool solved) {
     const double unit = rightSide_ / state_.scale;
     double length = lengthOf(squares);
-    if (length > options_.tolerance * unit) {
+    if (length > options_.tolerance * unit || (length > 0.0 && !solved)) {
       const double target = std::max(kSafety * options_.tolerance * unit, kSinglePrecisionGain * length);
-      iterate(std::move(squares), target);
+      state_.error = iterate(std::move(squares), target, options_.accuracy);
+      if (!(state_.error <= options_.accuracy)) {
+        throw SolverError(message("after ", result_.iterations, " iterations the field is still ", state_.error,
+                                  " of its length from the solution: raise the accuracy or the smallest weights"));
+      }
       length = lengthOf(residual());
+    } else if (length == 0.0) {
+      state_.error = 0.0;
     }
+    result_.error = state_.error;
     state_.residualKnown = true;
     result_.residual = length / unit;
     allocateField();
@@ -255,7 +282,8 @@ class SpaceTimeSolver::Solve {
       const double unit = rightSide_ / scale;
       for (double& square : squares) square /= scale * scale;
       std::fill(v.x.data(), v.x.data() + v.x.size(), 0.0f);
-      iterate(std::move(squares), std::max(kSafety * options_.tolerance, kSinglePrecisionGain * before) * unit);
+      iterate(std::move(squares), std::max(kSafety * options_.tolerance, kSinglePrecisionGain * before) * unit,
+              std::numeric_limits<double>::infinity());
       residual_.add(v.x.data(), scale, field, progress_);
       scale = rightSide_ * std::max(kSinglePrecisionGain * before, 1e-300);
     }

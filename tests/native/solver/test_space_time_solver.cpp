@@ -133,6 +133,7 @@ TEST(SpaceTimeSolver, RefusesOptionsAndStartsThatDoNotFit) {
   EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 0}), InputError);
   EXPECT_THROW(SpaceTimeSolver(cube, {.lambdaWeight = 0.0}), InputError);
   EXPECT_THROW(SpaceTimeSolver(cube, {.tolerance = 0.0}), InputError);
+  EXPECT_THROW(SpaceTimeSolver(cube, {.accuracy = 1e-6}), InputError);
   EXPECT_THROW(SpaceTimeSolver(cube, {.maxIterations = 0}), InputError);
   ConstraintSet constraints;
   constraints.add(0, 0, 1.0, 1.0, 0);
@@ -144,6 +145,8 @@ TEST(SpaceTimeSolver, RefusesOptionsAndStartsThatDoNotFit) {
   EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 3}).startFrom(broken), InputError);
   SpaceTimeOptions hopeless{.samples = 100, .tolerance = 1e-17};
   EXPECT_THROW(SpaceTimeSolver(surfaces::sphere(5), hopeless).solve(constraints, progress), SolverError);
+  const SpaceTimeOptions hasty{.samples = 100, .maxIterations = 1};
+  EXPECT_THROW(SpaceTimeSolver(surfaces::sphere(5), hasty).solve(constraints, progress), SolverError);
 }
 
 }  // namespace

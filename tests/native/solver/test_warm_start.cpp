@@ -17,11 +17,14 @@ TEST(SpaceTimeSolver, WarmStartReachesTheSameFieldInFewerSteps) {
   SpaceTimeState kept;
   const SpaceTimeResult before = solver.solve(storms::storms(*sphere, storm), progress, kept);
   SpaceTimeState fromField = solver.startFrom(before.field);
-  for (SpaceTimeState* state : {&kept, &fromField}) {
-    const SpaceTimeResult same = solver.solve(storms::storms(*sphere, storm), progress, *state);
-    EXPECT_EQ(same.iterations, 0);
-    EXPECT_EQ(same.field.values, before.field.values);
-  }
+  const SpaceTimeResult same = solver.solve(storms::storms(*sphere, storm), progress, kept);
+  EXPECT_EQ(same.iterations, 0);
+  EXPECT_EQ(same.error, before.error);
+  EXPECT_EQ(same.field.values, before.field.values);
+  // What another field is to these constraints only a step can tell.
+  const SpaceTimeResult again = solver.solve(storms::storms(*sphere, storm), progress, fromField);
+  EXPECT_EQ(again.iterations, 1);
+  EXPECT_LT(difference(again.field.values, before.field.values), 2e-3);
   storm.shift = 0.05;
   const SpaceTimeResult cold = solver.solve(storms::storms(*sphere, storm), progress);
   for (SpaceTimeState* state : {&kept, &fromField}) {
@@ -29,6 +32,58 @@ TEST(SpaceTimeSolver, WarmStartReachesTheSameFieldInFewerSteps) {
     EXPECT_LT(warm.iterations, cold.iterations);
     EXPECT_LE(warm.residual, options.tolerance);
     EXPECT_LT(difference(warm.field.values, cold.field.values), 2e-3);
+  }
+}
+
+/// Of fields on one mesh, relative, in the mean square over surface and lambda.
+double meanDifference(const ParameterizedField& a, const ParameterizedField& b) {
+  const TriangleMesh& mesh = a.charts->mesh();
+  double difference = 0.0, length = 0.0;
+  for (Index j = 0; j < a.sampleCount(); ++j) {
+    for (Index v = 0; v < mesh.vertexCount(); ++v) {
+      difference += mesh.vertexArea(v) * std::norm(a.sample(j)[v] - b.sample(j)[v]);
+      length += mesh.vertexArea(v) * std::norm(b.sample(j)[v]);
+    }
+  }
+  return std::sqrt(difference / length);
+}
+
+TEST(SpaceTimeSolver, FieldsAreAsCloseToTheExactOnesAsTheySay) {
+  // Heavy constraints and light ones, edits small and large: a residual within the tolerance would not be enough.
+  for (const auto& charts : {surfaces::sphere(10), surfaces::torus(28, 13, 0.4, 0.2)}) {
+    for (const double weight : {1e3, 4e5}) {
+      const SpaceTimeSolver solver(charts, {.samples = 30}), exactly(charts, {.samples = 30, .tolerance = 1e-10});
+      SpaceTimeState state, exactState;
+      Progress progress;
+      for (const double shift : {0.0, 0.003, 0.08}) {
+        SCOPED_TRACE(testing::Message() << charts->mesh().vertexCount() << " vertices, weight " << weight << ", shift "
+                                        << shift);
+        const ConstraintSet constraints =
+            storms::storms(*charts, {.samples = 30, .radius = 0.2, .weight = weight, .shift = shift});
+        const SpaceTimeResult result = solver.solve(constraints, progress, state);
+        const double error = meanDifference(result.field, exactly.solve(constraints, progress, exactState).field);
+        EXPECT_LT(error, solver.options().accuracy);
+        EXPECT_LE(result.error, solver.options().accuracy);
+        EXPECT_GT(result.error, 0.5 * error);
+        EXPECT_LE(result.residual, solver.options().tolerance);
+      }
+    }
+  }
+}
+
+TEST(SpaceTimeSolver, SmallEditsDoNotAddUp) {
+  // Each of them moves the storm by less than the tolerance sees.
+  const ChartsPointer sphere = surfaces::sphere(10);
+  const SpaceTimeSolver solver(sphere, {.samples = 20, .tolerance = 0.1}), exactly(sphere, {.samples = 20});
+  SpaceTimeState state;
+  Progress progress;
+  storms::StormOptions storm{.samples = 20};
+  for (int edit = 0; edit <= 20; ++edit) {
+    storm.shift = 0.005 * edit;
+    const SpaceTimeResult result = solver.solve(storms::storms(*sphere, storm), progress, state);
+    if (edit % 10 != 0) continue;
+    const SpaceTimeResult exact = exactly.solve(storms::storms(*sphere, storm), progress);
+    EXPECT_LT(meanDifference(result.field, exact.field), solver.options().accuracy);
   }
 }
 
