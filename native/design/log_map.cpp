@@ -19,6 +19,11 @@ double wrapped(double angle) {
   return std::remainder(angle, 2.0 * std::numbers::pi);
 }
 
+/// The length of z. std::abs guards against numbers that no mesh has, at several times the cost.
+double lengthOf(Complex z) {
+  return std::sqrt(std::norm(z));
+}
+
 /// Corners of a face in its flat frame.
 std::array<Complex, 3> flatCorners(const VertexCharts& charts, Index f) {
   const TriangleMesh& mesh = charts.mesh();
@@ -40,14 +45,17 @@ bool unfold(const VertexCharts& charts, Index h, const LogMapEntry& tail, const 
   const TriangleMesh& mesh = charts.mesh();
   const double length = mesh.edgeLength(mesh.edge(h));
   const Index toTarget = TriangleMesh::prev(h);  // target -> tail
-  const Complex t = std::polar(mesh.edgeLength(mesh.edge(toTarget)), mesh.cornerAngle(h));
+  const double fromTail = mesh.edgeLength(mesh.edge(toTarget));
+  const double fromHead = mesh.edgeLength(mesh.edge(TriangleMesh::next(h)));
+  const double along = (fromTail * fromTail + length * length - fromHead * fromHead) / (2.0 * length);
+  const Complex t(along, std::sqrt(std::max(0.0, fromTail * fromTail - along * along)));
   const double x = (tail.distance * tail.distance + length * length - head.distance * head.distance) / (2.0 * length);
   const double ySquared = tail.distance * tail.distance - x * x;
   if (ySquared < 0.0) return false;
   const Complex s(x, -std::sqrt(ySquared));
   const double crossing = x + (t.real() - x) * -s.imag() / (t.imag() - s.imag());
   if (!(crossing >= 0.0 && crossing <= length)) return false;
-  const double distance = std::abs(t - s);
+  const double distance = lengthOf(t - s);
   if (distance >= target.distance) return false;
   const double whole = std::arg((length - s) / -s);  // clockwise: both are negative
   const double part = std::arg((t - s) / -s);
@@ -69,11 +77,11 @@ bool followEdge(const VertexCharts& charts, Index h, bool forward, const LogMapE
   const Complex carried = (forward ? charts.transport(h) : std::conj(charts.transport(h))) * from.arrival;
   const Complex along = forward ? std::polar(1.0, charts.headAngle(h)) : -std::polar(1.0, charts.tailAngle(h));
   const Complex away = from.distance * carried + length * along;
-  const double distance = std::max(std::abs(away), from.distance) + kPrice * length;
-  if (distance >= target.distance || std::abs(away) == 0.0) return false;
+  const double reached = lengthOf(away), distance = std::max(reached, from.distance) + kPrice * length;
+  if (distance >= target.distance || reached == 0.0) return false;
   target.distance = distance;
   target.angle = from.angle + std::arg(away / carried);
-  target.arrival = away / std::abs(away);
+  target.arrival = away / reached;
   return true;
 }
 
@@ -152,7 +160,7 @@ LogMap logMap(const VertexCharts& charts, const SurfacePoint& source, double rad
       cross(h, mesh.tail(last));
       cross(last, mesh.head(h));
       follow(h, true);
-      follow(last, false);
+      if (mesh.twin(last) == kNone) follow(last, false);  // else it is an outgoing edge as well
     }
   }
 
