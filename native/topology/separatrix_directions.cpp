@@ -29,26 +29,45 @@ struct Ray {
   double around(double angle) const { return value(angle).imag(); }
 };
 
-void searchSector(const VectorField& field, const Sector& sector, std::vector<SeparatrixDirection>& found) {
+/// Whether the field turns to the left of the direction in which the sector begins.
+bool beginsLeft(const VectorField& field, const Sector& sector) {
+  const FaceInterpolant local = faceInterpolant(field, sector.face);
+  return Ray{local, sector.apex, kRadius * std::sqrt(local.doubleArea)}.around(sector.from) >= 0.0;
+}
+
+/// after: the sector that begins where this one ends, if any. What it says about their common direction holds for both:
+/// along an edge, where symmetric fields have their separatrices, two faces differ by round-off.
+void searchSector(const VectorField& field, const Sector& sector, const Sector* after,
+                  std::vector<SeparatrixDirection>& found) {
   const FaceInterpolant local = faceInterpolant(field, sector.face);
   const Ray ray{local, sector.apex, kRadius * std::sqrt(local.doubleArea)};
   const int samples = std::max(8, static_cast<int>(std::ceil(kSamples * sector.opening / (2.0 * kPi))));
-  double low = sector.from, atLow = ray.around(low);
+  double low = sector.from;
+  bool leftAtLow = ray.around(low) >= 0.0;
   for (int i = 1; i <= samples; ++i) {
-    const double high = sector.from + sector.opening * i / samples, atHigh = ray.around(high);
-    if ((atLow >= 0.0) != (atHigh >= 0.0)) {
+    const double high = sector.from + sector.opening * i / samples;
+    const bool leftAtHigh = i == samples && after != nullptr ? beginsLeft(field, *after) : ray.around(high) >= 0.0;
+    if (leftAtLow != leftAtHigh) {
       double a = low, b = high;
       for (int step = 0; step < 60; ++step) {
         const double middle = 0.5 * (a + b);
-        ((ray.around(middle) >= 0.0) == (atLow >= 0.0) ? a : b) = middle;
+        ((ray.around(middle) >= 0.0) == leftAtLow ? a : b) = middle;
       }
       const Complex direction = std::polar(1.0, 0.5 * (a + b));
       found.push_back({sector.face, direction, field.charts->faceToSpace(sector.face, direction),
                        ray.value(0.5 * (a + b)).real() > 0.0});
     }
     low = high;
-    atLow = atHigh;
+    leftAtLow = leftAtHigh;
   }
+}
+
+bool isWholeTurn(const VertexCharts& charts, const SurfacePoint& p, const std::vector<Sector>& sectors) {
+  const TriangleMesh& mesh = charts.mesh();
+  for (int k = 0; k < 3; ++k) {
+    if (p.barycentric[k] >= 1.0 - kOnBorder) return !mesh.isBoundaryVertex(mesh.vertex(p.face, k));
+  }
+  return sectors.size() > 1 || sectors.front().opening > 1.5 * kPi;
 }
 
 }  // namespace
@@ -87,7 +106,13 @@ std::vector<Sector> sectorsAround(const VertexCharts& charts, const SurfacePoint
 
 std::vector<SeparatrixDirection> separatrixDirections(const VectorField& field, const SurfacePoint& p) {
   std::vector<SeparatrixDirection> radial;
-  for (const Sector& sector : sectorsAround(*field.charts, p)) searchSector(field, sector, radial);
+  const std::vector<Sector> sectors = sectorsAround(*field.charts, p);
+  // At a boundary the last sector is followed by none.
+  const bool around = isWholeTurn(*field.charts, p, sectors);
+  for (std::size_t i = 0; i < sectors.size(); ++i) {
+    const bool last = i + 1 == sectors.size();
+    searchSector(field, sectors[i], last && !around ? nullptr : &sectors[(i + 1) % sectors.size()], radial);
+  }
   std::vector<SeparatrixDirection> result;
   for (std::size_t i = 0; i < radial.size(); ++i) {
     const SeparatrixDirection& next = radial[(i + 1) % radial.size()];

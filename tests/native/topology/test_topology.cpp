@@ -161,6 +161,22 @@ TEST(Topology, OfAPlanarSaddle) {
   EXPECT_TRUE(topology.links.empty());
 }
 
+TEST(Topology, OfASaddleOnAVertexHasSeparatricesAlongEdgesOnce) {
+  for (const int cells : {2, 6, 20}) {
+    for (int turn = 0; turn < 16; ++turn) {
+      const VectorField field = sampledOn(grid(cells), [turn](const Vec3& p) {
+        const Complex v = std::polar(1.0, turn * kPi / 8.0) * Complex(p.x(), -p.y());
+        return Vec3(v.real(), v.imag(), 0.0);
+      });
+      const auto points = findFixedPoints(field);
+      ASSERT_EQ(points.size(), 1u);
+      const auto& directions = points[0].separatrices;
+      ASSERT_EQ(directions.size(), 4u) << cells << " cells, turned by pi / 8 times " << turn;
+      for (std::size_t i = 0; i < 4; ++i) EXPECT_NE(directions[i].outgoing, directions[(i + 1) % 4].outgoing);
+    }
+  }
+}
+
 TEST(Topology, OfAMonkeySaddleHasSixSeparatrices) {
   std::vector<Vec3> points{{0, 0, 0}};
   std::vector<std::array<Index, 3>> faces;
