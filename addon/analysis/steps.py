@@ -23,17 +23,18 @@ from . import mcg, tracking
 from .entities import EntityGraph
 from .tracking import Tracking
 
-#: Where tracking begins, in parts of the whole: samples are read before.
-READ = 0.4
+#: Where an analysis begins, in parts of the whole: before, its one field is read, or all samples.
+READ_ONE, READ = 0.1, 0.4
+#: Jobs that were cancelled and have not ended yet: dropping one would wait for it.
+_ending: list[Any] = []
 
 
 def ecg_steps(mesh: MeshData, values: np.ndarray, lam: float) -> Steps[EntityGraph]:
     """The entity connection graph of one instantaneous field. values: (n, 3) at the vertices."""
     from . import ecg
 
-    yield Step(0.0, "Reading the field")
-    surface, field = native_field(mesh, values)
-    topology = yield from result_of(native.start_topology(field), 0.0, "Following separatrices and orbits")
+    surface, field = yield from field_steps(mesh, values)
+    topology = yield from result_of(native.start_topology(field), READ_ONE, "Following separatrices and orbits")
     return ecg.entity_graph(topology, surface, lam)
 
 
@@ -46,7 +47,7 @@ def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str, persistenc
     lambdas = cache.lambdas
     if len(lambdas) < 2:
         raise InputError("the cache has one sample of λ; solve with at least two to see what changes between them")
-    surface = native_mesh(mesh)
+    surface = yield from surface_steps(mesh)
     tangents = np.empty((len(lambdas), len(mesh.vertices)), np.complex128)
     for index in range(len(lambdas)):
         yield Step(READ * index / len(lambdas), f"Reading sample {index + 1} of {len(lambdas)}")
@@ -77,10 +78,9 @@ class MorseSets:
 
 def morse_steps(mesh: MeshData, values: np.ndarray, lam: float, **options: Any) -> Steps[MorseSets]:
     """Morse sets of one instantaneous field; options as of native.start_morse."""
-    yield Step(0.0, "Reading the field")
-    surface, field = native_field(mesh, values)
+    surface, field = yield from field_steps(mesh, values)
     check_moves(values, "there is nothing to divide")
-    found = yield from result_of(native.start_morse(field, **options), 0.0, "Dividing the surface")
+    found = yield from result_of(native.start_morse(field, **options), READ_ONE, "Dividing the surface")
     yield Step(1.0, "Ordering the sets", waiting=True)
     return MorseSets(found, surface, field, native.mean_speed(field), mcg.morse_graph(found, surface, lam))
 
@@ -98,27 +98,46 @@ def check_moves(values: np.ndarray, so: str) -> None:
         raise InputError(f"the field is zero everywhere; {so}")
 
 
+def surface_steps(mesh: MeshData) -> Steps[Any]:
+    """The core's mesh, built on its own threads. Raises InputError for a mesh that is no surface."""
+    return (yield from result_of(native.start_mesh(mesh.vertices, mesh.triangles), 0.0, "Reading the mesh", READ_ONE))
+
+
+def field_steps(mesh: MeshData, values: np.ndarray) -> Steps[tuple[Any, Any]]:
+    """As native_field, in steps."""
+    _check_finite(values)
+    surface = yield from surface_steps(mesh)
+    return surface, native.VectorField.from_space(surface, values)
+
+
 def native_field(mesh: MeshData, values: np.ndarray) -> tuple[Any, Any]:
     """The core's mesh and field. Raises InputError for a mesh that is no surface, and values that are not finite."""
-    if not np.isfinite(values).all():
-        vertex = int(np.flatnonzero(~np.isfinite(values).all(axis=1))[0])
-        raise InputError(f"the field is not finite at vertex {vertex}; solve again")
+    _check_finite(values)
     surface = native_mesh(mesh)
     return surface, native.VectorField.from_space(surface, values)
 
 
-def result_of(job: Any, start: float, message: str) -> Generator[Step, None, Any]:
-    """Waits for work on the core's threads and returns its result; closing the generator stops the work.
+def _check_finite(values: np.ndarray) -> None:
+    if not np.isfinite(values).all():
+        vertex = int(np.flatnonzero(~np.isfinite(values).all(axis=1))[0])
+        raise InputError(f"the field is not finite at vertex {vertex}; solve again")
+
+
+def result_of(job: Any, start: float, message: str, end: float = 1.0) -> Generator[Step, None, Any]:
+    """Waits for work on the core's threads and returns its result; closing the generator stops the work, at once:
+    what the work still needs to end is not waited for. start, end: its range in the fractions of the steps.
 
     After Stop the result is what the work has come to, or native.Cancelled where it leaves nothing.
     """
     try:
         while not job.done:
             try:
-                yield Step(start + (1.0 - start) * job.fraction, message, waiting=True)
+                yield Step(start + (end - start) * job.fraction, message, waiting=True)
             except Stop:
                 job.cancel()
         return job.result()
     finally:
+        _ending[:] = [ending for ending in _ending if not ending.done]
         if not job.done:
             job.cancel()
+            _ending.append(job)

@@ -13,7 +13,7 @@ from .. import native
 from ..bake.job import Step, Steps
 from ..model.mesh_data import MeshData
 from .seeds import normals_at
-from .steps import check_moves, native_field, result_of
+from .steps import READ_ONE, check_moves, field_steps, result_of
 
 #: Distance between two arrow heads on a line, in distances between lines; length and half width of a head, in radii of
 #: lines.
@@ -47,12 +47,11 @@ class StreamlineDrawing:
 
 def streamline_steps(mesh: MeshData, values: np.ndarray, settings: Settings) -> Steps[StreamlineDrawing]:
     """values: (n, 3) at the vertices. Raises InputError for a field of zeros and settings without meaning."""
-    yield Step(0.0, "Reading the field")
-    surface, field = native_field(mesh, values)
+    surface, field = yield from field_steps(mesh, values)
     check_moves(values, "there is nothing to draw")
     distance = settings.density * surface.size
     job = native.start_evenly_spaced_streamlines(field, distance, topology=settings.topology)
-    lines = yield from result_of(job, 0.0, "Placing streamlines")
+    lines = yield from result_of(job, READ_ONE, "Placing streamlines")
     yield Step(1.0, "Making curves", waiting=True)
     return drawing_of(lines, surface, distance, settings)
 

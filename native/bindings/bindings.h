@@ -17,6 +17,7 @@ namespace stormfield::bindings {
 
 void bind_base(py::module_& m);
 void bind_mesh(py::module_& m);
+void bind_mesh_job(py::module_& m);
 void bind_field(py::module_& m);
 void bind_tracing(py::module_& m);
 void bind_topology(py::module_& m);

@@ -7,6 +7,7 @@ PYBIND11_MODULE(stormfield_native, m) {
   m.attr("__version__") = STORMFIELD_VERSION;
   bind_base(m);
   bind_mesh(m);
+  bind_mesh_job(m);
   bind_field(m);
   bind_tracing(m);
   bind_topology(m);
