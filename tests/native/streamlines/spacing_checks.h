@@ -58,7 +58,9 @@ inline double crowdedPart(const TriangleMesh& mesh, const EvenStreamlines& lines
   const std::size_t each = shortOrLong(3, 1);  // of so many points, which are close to each other
   std::size_t crowded = 0, looked = 0;
   for (std::size_t i = 0; i + 1 < lines.offsets.size(); ++i) {
-    for (std::size_t k = lines.offsets[i]; k < lines.offsets[i + 1]; k += each, ++looked) {
+    for (std::size_t k = lines.offsets[i]; k < lines.offsets[i + 1]; ++k) {
+      if (k % each != 0) continue;
+      ++looked;
       crowded += distanceToLines(mesh, segments, lines.points[k], 0.0, static_cast<Index>(i)) < nearerThan;
     }
   }
