@@ -15,7 +15,7 @@ from ..convert import analysis_objects as objects
 from ..convert import morse_faces
 from ..operators import morse_preview
 from . import drawing_cache
-from .field_drawing import LIFT, Surface
+from .field_drawing import LIFT, Surface, lifted
 
 #: Widths of lines, in parts of the artist's line width.
 WIDTHS = {objects.SEPARATRICES: 1.0, objects.ORBITS: 1.7, objects.PATHS: 1.8}
@@ -170,9 +170,9 @@ def _lines(obj, role: str, names, shown: np.ndarray, surface: Surface, mesh) -> 
         return None
     owners = np.stack([objects.read_attribute(obj, role, name) for name in names], axis=1)
     colours = np.split(objects.read_attribute(obj, role, "colour"), np.cumsum([len(c) for c in curves])[:-1])
-    lifted = np.split(lift(np.concatenate(curves), surface, mesh)[0], np.cumsum([len(c) for c in curves])[:-1])
+    raised = np.split(lift(np.concatenate(curves), surface, mesh)[0], np.cumsum([len(c) for c in curves])[:-1])
     ends, tints, whose = [], [], []
-    for points, tint, owner in zip(lifted, colours, owners, strict=True):
+    for points, tint, owner in zip(raised, colours, owners, strict=True):
         if not shown[owner[0]] or not shown[owner[1]]:
             continue
         if role == objects.ORBITS:
@@ -191,12 +191,12 @@ def _ways(obj, entities, shown: np.ndarray, surface: Surface, mesh) -> list[Way]
         return []
     cuts = np.cumsum([len(curve) for curve in curves])[:-1]
     lam = np.split(objects.read_attribute(obj, objects.PATHS, "lam"), cuts)
-    lifted = np.split(lift(np.concatenate(curves), surface, mesh)[0], cuts)
+    raised = np.split(lift(np.concatenate(curves), surface, mesh)[0], cuts)
     owners = objects.read_attribute(obj, objects.PATHS, "entity").tolist()
     items = entities.items
     return [
         Way(index, items[index].name, items[index].kind, times, points)
-        for index, times, points in zip(owners, lam, lifted, strict=True)
+        for index, times, points in zip(owners, lam, raised, strict=True)
         if shown[index]
     ]
 
@@ -206,9 +206,9 @@ def _marks(which: str, entities, shown: np.ndarray, surface: Surface, mesh) -> l
     if not len(chosen):
         return []
     places = np.array([entities.items[int(i)].position[:] for i in chosen], np.float64)
-    lifted, normals = lift(places, surface, mesh)
+    raised, normals = lift(places, surface, mesh)
     marks = []
-    for i, place, normal in zip(chosen.tolist(), lifted, normals, strict=True):
+    for i, place, normal in zip(chosen.tolist(), raised, normals, strict=True):
         item = entities.items[i]
         lam = item.lam if item.kind in objects.EVENT_KINDS else None
         marks.append(Mark(which, i, item.kind, item.name, place, normal, lam))
@@ -220,10 +220,8 @@ def lift(points: np.ndarray, surface: Surface, mesh) -> tuple[np.ndarray, np.nda
     points = np.asarray(points, np.float64)
     if mesh is None or not len(points):
         return points, np.tile((0.0, 0.0, 1.0), (len(points), 1))
-    found = mesh.closest_points(points)
-    normals = np.einsum("kc,kcd->kd", found[1], surface.normals[surface.triangles[found[0]]])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    return np.asarray(mesh.positions(found[0], found[1])) + LIFT * surface.size * normals, normals
+    faces, barycentric, _ = mesh.closest_points(points)
+    return lifted(surface, faces, barycentric, np.asarray(mesh.positions(faces, barycentric)))
 
 
 # Morse sets -----------------------------------------------------------------------------------------------------------
@@ -248,7 +246,7 @@ def paint_sets(surface: Surface, sets: np.ndarray, kinds: list[str]) -> Faces | 
     inside = np.flatnonzero(sets >= 0)
     if not len(inside):
         return None
-    lifted = surface.vertices + 0.35 * LIFT * surface.size * surface.normals
+    above = surface.vertices + 0.35 * LIFT * surface.size * surface.normals
     table = np.array([(*KIND_COLOURS.get(kind, KIND_COLOURS["other"]), 1.0) for kind in kinds])
     triangles = surface.triangles
     edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
@@ -266,4 +264,4 @@ def paint_sets(surface: Surface, sets: np.ndarray, kinds: list[str]) -> Faces | 
     both = np.concatenate(
         [np.stack([owner[order[between]], owner[order[between + 1]]], 1), np.stack([owner[order[rim]]] * 2, 1)]
     )
-    return Faces(lifted[triangles[inside]].reshape(-1, 3), np.repeat(table[sets[inside]], 3, 0), lifted[places], both)
+    return Faces(above[triangles[inside]].reshape(-1, 3), np.repeat(table[sets[inside]], 3, 0), above[places], both)

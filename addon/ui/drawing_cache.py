@@ -154,9 +154,14 @@ def _draw(entry: _Entry, values: np.ndarray, settings) -> Drawing:
         speed = np.linalg.norm(values, axis=1)
         still = NO_FIELD * speed.max(initial=0.0)
         flow = native.VectorField.from_space(entry.mesh, values)
-        for point in native.fixed_points(flow, relative_tolerance=CENTER_TOLERANCE):
-            if speed[surface.triangles[point.face]].max() > still:
-                points.append((point.kind, np.asarray(point.position)))
+        found = native.fixed_points(flow, relative_tolerance=CENTER_TOLERANCE)
+        found = [point for point in found if speed[surface.triangles[point.face]].max() > still]
+        if found:  # as high above the surface as separatrices, which would else miss them in close views
+            faces, barycentric, positions = (
+                np.array([getattr(point, name) for point in found]) for name in ("face", "barycentric", "position")
+            )
+            raised, _normals = field_drawing.lifted(surface, faces, barycentric, positions)
+            points = [(point.kind, place) for point, place in zip(found, raised, strict=True)]
     return Drawing(lines, colours, points, entry.note)
 
 

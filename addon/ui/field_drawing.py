@@ -1,7 +1,7 @@
 """Field → points and lines to draw, from the evaluated mesh and its attributes alone. No GPU here, nothing is written.
 
 Places where strokes begin are spread evenly and stay where they are while λ changes, so that scrubbing shows motion of
-the field and not of the sampling. All lines are lifted off the surface by LIFT object sizes.
+the field and not of the sampling. All lines and marks are lifted off the surface by LIFT object sizes.
 """
 
 from dataclasses import dataclass
@@ -107,6 +107,15 @@ def arrows(surface: Surface, values: np.ndarray, seeds: Seeds, length: float) ->
     barbs = [tip - 0.35 * along + sign * 0.2 * aside for sign in (1, -1)]
     lines = np.stack([np.stack([start, tip], 1), np.stack([barbs[0], tip], 1), np.stack([barbs[1], tip], 1)], axis=1)
     return lines, relative[:, 0]
+
+
+def lifted(
+    surface: Surface, faces: np.ndarray, barycentric: np.ndarray, positions: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions on these faces, LIFT object sizes above the surface; and the normals there, both (k, 3)."""
+    normals = _evaluate(surface, surface.normals, faces, barycentric)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    return positions + LIFT * surface.size * normals, normals
 
 
 def _fast_speed(values: np.ndarray) -> float:
