@@ -50,6 +50,16 @@ def why_no_refinement(obj: bpy.types.Object) -> str:
     return ""
 
 
+def why_no_simplification(obj: bpy.types.Object) -> str:
+    """Why the shown sets cannot be simplified, and the cure; empty when they can."""
+    state = of(obj)
+    if state is None:
+        return "Make Morse Sets again to simplify or refine them"
+    if state.found.decomposition.method != "geometry":
+        return "Sets of a flow cannot be simplified; make Morse Sets by Directions"
+    return ""
+
+
 def remember(obj: bpy.types.Object, found: MorseSets, attribute: str) -> None:
     state = MorseState(found, attribute, next(_serials))
     obj.stormfield.analysis.mcg.serial = state.serial
@@ -85,7 +95,7 @@ def simplify_later(obj: bpy.types.Object) -> None:
 def simplify(obj: bpy.types.Object) -> bool:
     """Merge what errors up to the slider's value merge; whether there was something to go on from."""
     state = of(obj)
-    if state is None or state.found.decomposition.method != "geometry":
+    if state is None or why_no_simplification(obj):
         return False
     from ..convert import analysis_objects
 

@@ -36,7 +36,7 @@ class MorseProperties(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=10.0,
         default=0.0,
-        precision=4,
+        precision=6,
         step=1,
         update=_preview,
     )
@@ -47,7 +47,7 @@ class MorseProperties(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=10.0,
         default=0.0,
-        precision=4,
+        precision=6,
         step=1,
         update=_preview,
     )

@@ -30,21 +30,23 @@ class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
         column.prop(settings, "method")
         if settings.method == "geometry":
             column.prop(settings, "eps")
+            self._draw_simplify(context, layout, obj, settings)
         else:
             name = "tau" if settings.method == "tau" else "length"
             column.prop(settings, name)
             if getattr(settings, name) == 0:
                 text_lines(context, layout, self._suggestion(obj, settings.method), icon="INFO")
         self._draw_refinement(context, layout, obj, settings)
-        state = morse_state.of(obj)
+
+    @staticmethod
+    def _draw_simplify(context, layout, obj, settings):
         if not obj.stormfield.analysis.mcg.made:
             return
-        if settings.method == "geometry":
-            column = layout.column()
-            column.enabled = state is not None and state.found.decomposition.method == "geometry"
-            column.prop(settings, "simplify", slider=True)
-            if state is None:
-                text_lines(context, layout, "Make Morse Sets again to simplify or refine them", icon="INFO")
+        reason = morse_state.why_no_simplification(obj)
+        column = layout.column()
+        column.enabled = not reason
+        column.prop(settings, "simplify", slider=True)
+        hint(context, layout, reason)
 
     @staticmethod
     def _draw_refinement(context, layout, obj, settings):
@@ -66,8 +68,8 @@ class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
         """What 0 stands for, where it is known."""
         found = drawing_cache.starting_tau(obj, method)
         if found is None:
-            return "0 takes a value found from mesh and field"
-        return f"0 takes {found:.3g} s" if method == "tau" else f"0 takes {found:.3g} mesh units"
+            return "0 stands for a value found from mesh and field"
+        return f"0 stands for {found:.3g} " + ("s" if method == "tau" else "mesh units")
 
 
 CLASSES = (STORMFIELD_PT_morse,)
