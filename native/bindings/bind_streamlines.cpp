@@ -4,6 +4,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/job.h"
+#include "bindings/surface_points.h"
 #include "streamlines/topology_features.h"
 
 namespace stormfield::bindings {
@@ -58,51 +59,16 @@ std::shared_ptr<StreamlinesJob> start(const FieldHandle& field, double distance,
       });
 }
 
-Points positions(const MeshHandle& mesh, const std::vector<SurfacePoint>& points) {
-  Points result(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    result.row(static_cast<Eigen::Index>(i)) = position(mesh.mesh(), points[i]);
-  }
-  return result;
-}
-
 }  // namespace
 
 void bind_streamlines(py::module_& m) {
-  py::class_<EvenStreamlinesHandle, std::shared_ptr<EvenStreamlinesHandle>>(
+  py::class_<EvenStreamlinesHandle, std::shared_ptr<EvenStreamlinesHandle>> streamlines(
       m, "EvenStreamlines", py::module_local(),
       "Evenly spaced streamlines. Line i has the points offsets[i]:offsets[i + 1], in the direction of the flow; "
       "closed\n"
-      "lines do not repeat their first point. Immutable.")
-      .def("__len__", [](const EvenStreamlinesHandle& self) { return self.lines.closed.size(); })
-      .def_property_readonly(
-          "offsets",
-          [](const EvenStreamlinesHandle& self) {
-            return copied(std::vector<std::int64_t>(self.lines.offsets.begin(), self.lines.offsets.end()));
-          },
-          "(k + 1,) int64.")
-      .def_property_readonly(
-          "points",
-          [](const EvenStreamlinesHandle& self) { return fromPoints(positions(*self.mesh, self.lines.points)); },
-          "(p, 3) float64, mesh units.")
-      .def_property_readonly(
-          "faces",
-          [](const EvenStreamlinesHandle& self) {
-            std::vector<Index> faces;
-            for (const SurfacePoint& p : self.lines.points) faces.push_back(p.face);
-            return copied(faces);
-          },
-          "(p,) int32.")
-      .def_property_readonly(
-          "barycentric",
-          [](const EvenStreamlinesHandle& self) {
-            Points result(static_cast<Eigen::Index>(self.lines.points.size()), 3);
-            for (std::size_t i = 0; i < self.lines.points.size(); ++i) {
-              result.row(static_cast<Eigen::Index>(i)) = self.lines.points[i].barycentric;
-            }
-            return fromPoints(result);
-          },
-          "(p, 3) float64, coordinates in the faces.")
+      "lines do not repeat their first point. Immutable.");
+  bindLinePoints(streamlines, &EvenStreamlinesHandle::lines);
+  streamlines.def("__len__", [](const EvenStreamlinesHandle& self) { return self.lines.closed.size(); })
       .def_property_readonly(
           "arc", [](const EvenStreamlinesHandle& self) { return copied(self.lines.arc); },
           "(p,) float64, length along the line, mesh units.")
@@ -132,7 +98,7 @@ void bind_streamlines(py::module_& m) {
           "quiet_area", [](const EvenStreamlinesHandle& self) { return self.lines.quietArea; },
           "Part of the surface, 0..1, where the field stands still.")
       .def_property_readonly(
-          "gaps", [](const EvenStreamlinesHandle& self) { return fromPoints(positions(*self.mesh, self.lines.gaps)); },
+          "gaps", [](const EvenStreamlinesHandle& self) { return positionsOf(self.mesh->mesh(), self.lines.gaps); },
           "(g, 3) float64, places where no line could be drawn although the field flows; mostly none.");
 
   bindJob<StreamlinesJob>(m, "StreamlinesJob", "Placement of evenly spaced streamlines; result() is EvenStreamlines.",

@@ -2,6 +2,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/job.h"
+#include "bindings/surface_points.h"
 #include "topology/fixed_points.h"
 #include "topology/topology.h"
 
@@ -43,26 +44,6 @@ struct SeparatrixHandle {
   std::shared_ptr<const Topology> topology;
   const Separatrix* separatrix;
 };
-
-py::array_t<double> curvePositions(const MeshHandle& mesh, const std::vector<SurfacePoint>& curve) {
-  Points result(static_cast<Eigen::Index>(curve.size()), 3);
-  for (std::size_t i = 0; i < curve.size(); ++i) {
-    result.row(static_cast<Eigen::Index>(i)) = position(mesh.mesh(), curve[i]);
-  }
-  return fromPoints(result);
-}
-
-py::array_t<Index> curveFaces(const std::vector<SurfacePoint>& curve) {
-  py::array_t<Index> result(static_cast<py::ssize_t>(curve.size()));
-  for (std::size_t i = 0; i < curve.size(); ++i) result.mutable_at(static_cast<py::ssize_t>(i)) = curve[i].face;
-  return result;
-}
-
-py::array_t<double> curveBarycentric(const std::vector<SurfacePoint>& curve) {
-  Points result(static_cast<Eigen::Index>(curve.size()), 3);
-  for (std::size_t i = 0; i < curve.size(); ++i) result.row(static_cast<Eigen::Index>(i)) = curve[i].barycentric;
-  return fromPoints(result);
-}
 
 py::tuple entityTuple(const EntityRef& entity) {
   constexpr const char* kKinds[] = {"none", "fixed_point", "periodic_orbit", "boundary"};
@@ -111,12 +92,12 @@ void bindCurves(py::module_& m) {
           "kind", [](const OrbitHandle& o) { return name(o.orbit->kind); },
           "attracting, repelling, center (one of a band of closed streamlines) or degenerate (attracting on one side).")
       .def_property_readonly(
-          "points", [](const OrbitHandle& o) { return curvePositions(*o.mesh, o.orbit->points); },
+          "points", [](const OrbitHandle& o) { return positionsOf(o.mesh->mesh(), o.orbit->points); },
           "(k, 3) float64 along the flow, mesh units; the first is repeated at the end.")
       .def_property_readonly(
-          "faces", [](const OrbitHandle& o) { return curveFaces(o.orbit->points); }, "(k,) int32.")
+          "faces", [](const OrbitHandle& o) { return facesOf(o.orbit->points); }, "(k,) int32.")
       .def_property_readonly(
-          "barycentric", [](const OrbitHandle& o) { return curveBarycentric(o.orbit->points); }, "(k, 3) float64.")
+          "barycentric", [](const OrbitHandle& o) { return barycentricOf(o.orbit->points); }, "(k, 3) float64.")
       .def_property_readonly(
           "times", [](const OrbitHandle& o) { return copied(o.orbit->times); }, "(k,) float64, seconds.")
       .def_property_readonly(
@@ -143,12 +124,12 @@ void bindCurves(py::module_& m) {
           "end", [](const SeparatrixHandle& s) { return entityTuple(s.separatrix->end); },
           "(kind, number): fixed_point or periodic_orbit with its number, or boundary or none with None.")
       .def_property_readonly(
-          "points", [](const SeparatrixHandle& s) { return curvePositions(*s.mesh, s.separatrix->points); },
+          "points", [](const SeparatrixHandle& s) { return positionsOf(s.mesh->mesh(), s.separatrix->points); },
           "(k, 3) float64 from the saddle, mesh units.")
       .def_property_readonly(
-          "faces", [](const SeparatrixHandle& s) { return curveFaces(s.separatrix->points); }, "(k,) int32.")
+          "faces", [](const SeparatrixHandle& s) { return facesOf(s.separatrix->points); }, "(k,) int32.")
       .def_property_readonly(
-          "barycentric", [](const SeparatrixHandle& s) { return curveBarycentric(s.separatrix->points); },
+          "barycentric", [](const SeparatrixHandle& s) { return barycentricOf(s.separatrix->points); },
           "(k, 3) float64.")
       .def_property_readonly(
           "times", [](const SeparatrixHandle& s) { return copied(s.separatrix->times); },

@@ -1,10 +1,10 @@
 #include <pybind11/stl.h>
-#include <tbb/parallel_for.h>
 
 #include <limits>
 
 #include "bindings/bindings.h"
 #include "bindings/job.h"
+#include "bindings/surface_points.h"
 #include "tracing/particle_lines.h"
 #include "tracing/pathline.h"
 #include "tracing/streamline.h"
@@ -183,19 +183,6 @@ TracesHandle pathlines(const ParameterizedFieldHandle& field, const py::object& 
   return {field.mesh, tracePathlines(flow, seeds, options, progress.get())};
 }
 
-py::array_t<double> positions(const TriangleMesh& mesh, const std::vector<SurfacePoint>& points) {
-  Points result(static_cast<Eigen::Index>(points.size()), 3);
-  tbb::parallel_for(std::size_t{0}, points.size(),
-                    [&](std::size_t i) { result.row(static_cast<Eigen::Index>(i)) = position(mesh, points[i]); });
-  return fromPoints(result);
-}
-
-py::array_t<double> coordinates(const std::vector<SurfacePoint>& points) {
-  Points result(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t i = 0; i < points.size(); ++i) result.row(static_cast<Eigen::Index>(i)) = points[i].barycentric;
-  return fromPoints(result);
-}
-
 /// An array with one element per point or per trace.
 template <typename T, typename Items, typename Get>
 py::array_t<T> each(const Items& items, const Get& get) {
@@ -206,30 +193,13 @@ py::array_t<T> each(const Items& items, const Get& get) {
 
 void bindLines(py::module_& m) {
   using Lines = ParticleLinesHandle;
-  py::class_<Lines>(
+  py::class_<Lines> handles(
       m, "ParticleLines", py::module_local(),
-      "Streaklines or timelines at one time. Line i has the particles offsets[i]:offsets[i + 1]. Immutable.")
-      .def("__len__", [](const Lines& self) { return self.lines.offsets.size() - 1; })
+      "Streaklines or timelines at one time. Line i has the particles offsets[i]:offsets[i + 1]. Immutable.");
+  bindLinePoints(handles, &Lines::lines);
+  handles.def("__len__", [](const Lines& self) { return self.lines.offsets.size() - 1; })
       .def_property_readonly(
           "time", [](const Lines& self) { return self.lines.time; }, "Seconds.")
-      .def_property_readonly(
-          "offsets",
-          [](const Lines& self) {
-            return each<std::int64_t>(self.lines.offsets, [](std::size_t i) { return static_cast<std::int64_t>(i); });
-          },
-          "(k + 1,) int64.")
-      .def_property_readonly(
-          "points", [](const Lines& self) { return positions(self.mesh->mesh(), self.lines.points); },
-          "(p, 3) float64, positions in mesh units.")
-      .def_property_readonly(
-          "faces",
-          [](const Lines& self) {
-            return each<Index>(self.lines.points, [](const SurfacePoint& p) { return p.face; });
-          },
-          "(p,) int32.")
-      .def_property_readonly(
-          "barycentric", [](const Lines& self) { return coordinates(self.lines.points); },
-          "(p, 3) float64, coordinates in the faces.")
       .def_property_readonly(
           "ages", [](const Lines& self) { return copied(self.lines.ages); }, "(p,) float64, seconds since release.")
       .def_property_readonly(
@@ -283,29 +253,12 @@ void bindLines(py::module_& m) {
 }  // namespace
 
 void bind_tracing(py::module_& m) {
-  py::class_<TracesHandle, std::shared_ptr<TracesHandle>>(
+  py::class_<TracesHandle, std::shared_ptr<TracesHandle>> handles(
       m, "Traces", py::module_local(),
       "Curves on the surface. Trace i has the points offsets[i]:offsets[i + 1], from its seed to its "
-      "end,\none per edge crossing and integration step. Immutable.")
-      .def("__len__", [](const TracesHandle& self) { return self.traces.ends.size(); })
-      .def_property_readonly(
-          "offsets",
-          [](const TracesHandle& self) {
-            return each<std::int64_t>(self.traces.offsets, [](std::size_t i) { return static_cast<std::int64_t>(i); });
-          },
-          "(k + 1,) int64.")
-      .def_property_readonly(
-          "points", [](const TracesHandle& self) { return positions(self.mesh->mesh(), self.traces.points); },
-          "(p, 3) float64, positions in mesh units.")
-      .def_property_readonly(
-          "faces",
-          [](const TracesHandle& self) {
-            return each<Index>(self.traces.points, [](const SurfacePoint& p) { return p.face; });
-          },
-          "(p,) int32.")
-      .def_property_readonly(
-          "barycentric", [](const TracesHandle& self) { return coordinates(self.traces.points); },
-          "(p, 3) float64, coordinates in the faces.")
+      "end,\none per edge crossing and integration step. Immutable.");
+  bindLinePoints(handles, &TracesHandle::traces);
+  handles.def("__len__", [](const TracesHandle& self) { return self.traces.ends.size(); })
       .def_property_readonly(
           "times", [](const TracesHandle& self) { return copied(self.traces.times); },
           "(p,) float64, seconds since the seed, positive in either direction.")

@@ -20,10 +20,9 @@ Complex seenAlong(Complex vector, double edgeAngle) {
 }
 
 EdgeCrossing crossing(const VectorField& field, Index h) {
-  const auto [tail, head] = endVectors(field, h);
-  const bool restsOnEdge =
-      tail == 0.0 || head == 0.0 || (tail.imag() == 0.0 && head.imag() == 0.0 && tail.real() * head.real() < 0.0);
-  if (restsOnEdge) return {true, true};
+  const EndVectors ends = endVectors(field, h);
+  if (restsOnEdge(ends)) return {true, true};
+  const auto [tail, head] = ends;
   return {tail.imag() > 0.0 || head.imag() > 0.0, tail.imag() < 0.0 || head.imag() < 0.0};
 }
 
@@ -67,6 +66,12 @@ EndVectors endVectors(const VectorField& field, Index h) {
   const VertexCharts& charts = *field.charts;
   return {seenAlong(field.values[charts.mesh().tail(h)], charts.tailAngle(h)),
           seenAlong(field.values[charts.mesh().head(h)], charts.headAngle(h))};
+}
+
+bool restsOnEdge(const EndVectors& ends) {
+  const auto [tail, head] = ends;
+  const bool opposed = tail.imag() == 0.0 && head.imag() == 0.0 && tail.real() * head.real() < 0.0;
+  return tail == 0.0 || head == 0.0 || opposed;
 }
 
 std::vector<EdgeCrossing> edgeCrossings(const VectorField& field) {

@@ -21,6 +21,9 @@ struct EndVectors {
 };
 EndVectors endVectors(const VectorField& field, Index h);
 
+/// Whether a fixed point lies on the edge, at an end or between opposed ends along it.
+bool restsOnEdge(const EndVectors& ends);
+
 /// The directions in which flow crosses an edge, seen along its canonical halfedge h = mesh.edgeHalfedge(e).
 struct EdgeCrossing {
   bool inwards = false;   ///< somewhere into face(h), which stands on the left

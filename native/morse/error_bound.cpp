@@ -33,10 +33,10 @@ double reaches(double component, double length, double weight) {
 /// The least epsilon at which flow can leave over h.
 double leavesFrom(const VectorField& field, const std::vector<double>& weights, Index h) {
   const TriangleMesh& mesh = field.mesh();
-  const auto [tail, head] = endVectors(field, h);
+  const EndVectors ends = endVectors(field, h);
+  const auto [tail, head] = ends;
   const bool runsAlong = tail.imag() == 0.0 && head.imag() == 0.0;
-  const bool restsOnEdge = tail == 0.0 || head == 0.0 || (runsAlong && tail.real() * head.real() < 0.0);
-  if (restsOnEdge || (runsAlong && mesh.twin(h) != kNone)) return 0.0;
+  if (restsOnEdge(ends) || (runsAlong && mesh.twin(h) != kNone)) return 0.0;
   return std::min(reaches(-tail.imag(), std::abs(tail), weights[mesh.tail(h)]),
                   reaches(-head.imag(), std::abs(head), weights[mesh.head(h)]));
 }

@@ -140,9 +140,7 @@ std::vector<char> restingFaces(const VectorField& field) {
     bool rests = indices[f] != 0;
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       // Both faces see the edge along the same halfedge, so that they agree.
-      const auto [tail, head] = endVectors(field, mesh.edgeHalfedge(mesh.edge(h)));
-      const bool opposed = tail.imag() == 0.0 && head.imag() == 0.0 && tail.real() * head.real() < 0.0;
-      rests = rests || tail == 0.0 || head == 0.0 || opposed;
+      rests = rests || restsOnEdge(endVectors(field, mesh.edgeHalfedge(mesh.edge(h))));
     }
     resting[f] = rests ? 1 : 0;
   });
