@@ -13,6 +13,11 @@ namespace {
 constexpr double kSlow = 0.02;
 /// A trace that gets on by less than this part of tau within the limit of steps is stuck.
 constexpr double kStuck = 1e-6;
+/// Turn of the field along a step, by its mean gradient.
+constexpr double kTurnOfStep = 0.8;
+/// A trace that so many steps take nowhere (barycentric) is at rest: it has come to a sink, as near as numbers can.
+constexpr unsigned kRestSteps = 64;
+constexpr double kRest = 1e-8;
 
 template <typename Flow>
 class FlowMover final : public Mover {
@@ -35,10 +40,19 @@ class FlowMover final : public Mover {
   template <typename Visit>
   Arrival follow(SurfacePoint from, double tau, const Visit& visit) {
     double done = 0.0;
+    SurfacePoint before = from;
+    unsigned steps = 0;
+    const auto rests = [&](const SurfacePoint& p) {
+      if (++steps % kRestSteps != 0) return false;
+      const bool rest = p.face == before.face && (p.barycentric - before.barycentric).cwiseAbs().maxCoeff() < kRest;
+      before = p;
+      return rest;
+    };
     while (true) {
       const TraceEnd end = integrator_.run(from, 0.0, tau - done, [&](const SurfacePoint& p, double time) {
         look();
         visit(p, done + time);
+        return !rests(p);
       });
       if (end.reason != StopReason::StepLimit || !(end.time > kStuck * tau)) {
         return {end.point, end.reason == StopReason::Boundary};
@@ -101,9 +115,39 @@ TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit,
   options.tolerance = tolerance;
   checkOptions(options);
   if (unit == TauUnit::Length) slowSpeeds_ = slowSpeeds(field);
+  measureFaces();
   for (Index h = 0; h < mesh().halfedgeCount(); ++h) {
     flowsOut_[h] = mesh().twin(h) == kNone && crossedOutwards(faces, field, h);
   }
+}
+
+/// Of the linear part of the field. At unit speed the gradient is that of the direction, and no contraction is counted.
+void TauFlow::measureFaces() {
+  growth_.resize(mesh().faceCount());
+  bending_.resize(mesh().faceCount());
+  double sum = 0.0;
+  for (Index f = 0; f < mesh().faceCount(); ++f) {
+    const FlatFace& face = (*faces_)[f];
+    Complex alongX = 0.0, alongY = 0.0;
+    double squaredSpeed = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      const Complex v = face.carry(i, field_->values[face.vertex(i)]), gradient = face.gradient(i);
+      alongX += gradient.real() * v;
+      alongY += gradient.imag() * v;
+      squaredSpeed += std::norm(v) / 3.0;
+      if (unit_ == TauUnit::Length) squaredSpeed += slowSpeeds_[face.vertex(i)] * slowSpeeds_[face.vertex(i)] / 3.0;
+    }
+    const double divergence = alongX.real() + alongY.imag();
+    const double stretch = std::hypot(alongX.real() - alongY.imag(), alongX.imag() + alongY.real());
+    bending_[f] = std::sqrt(std::norm(alongX) + std::norm(alongY));
+    growth_[f] = 0.5 * (divergence + stretch);
+    if (unit_ == TauUnit::Length) {
+      bending_[f] /= std::sqrt(std::max(squaredSpeed, 1e-300));
+      growth_[f] = 0.5 * bending_[f];
+    }
+    sum += mesh().faceArea(f) * bending_[f];
+  }
+  stepTau_ = kTurnOfStep * mesh().totalArea() / sum;
 }
 
 std::unique_ptr<Mover> TauFlow::mover(Direction direction, const Progress* progress) const {

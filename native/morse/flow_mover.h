@@ -45,13 +45,20 @@ class TauFlow {
   std::unique_ptr<Mover> mover(Direction direction, const Progress* progress) const;
   /// Whether the field points out of the surface somewhere on a boundary halfedge.
   bool flowsOut(Index h) const { return flowsOut_[h] != 0; }
+  /// How fast the flow draws curves apart and bends them in a face, per unit of tau: the largest rate at which a vector
+  /// grows there (less than 0 where all shrink), and the size of the field's gradient.
+  double growth(Index f) const { return growth_[f]; }
+  double bending(Index f) const { return bending_[f]; }
+  /// Time, or length, in which the field changes little along most trajectories; infinite for a field that is zero.
+  double stepTau() const { return stepTau_; }
 
  private:
   const FlatFaces* faces_;
   const VectorField* field_;
   TauUnit unit_;
-  double tolerance_;
-  std::vector<double> slowSpeeds_;
+  double tolerance_, stepTau_;
+  std::vector<double> slowSpeeds_, growth_, bending_;
+  void measureFaces();
   std::vector<char> flowsOut_;
 };
 

@@ -1,9 +1,12 @@
 #include "morse/refinement.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
+#include <numeric>
+#include <thread>
 #include <utility>
 
 #include "base/message.h"
@@ -17,6 +20,41 @@ namespace {
 
 /// Sets whose priority is within this factor of the highest are refined in the same round.
 constexpr double kRound = 16.0;
+/// A part of a set that is slower than the whole by more than this factor goes on with a tau of its own.
+constexpr double kSlower = 0.5;
+/// Steps that an image is followed in, at most, and the turn of the field along a step.
+constexpr int kMostSteps = 128;
+constexpr double kTurnOfStep = 0.8;
+
+/// Cancels work when its time is over, or when the caller's progress is cancelled, to which it passes what is done.
+class Deadline {
+ public:
+  Deadline(double seconds, Progress* caller) : caller_(caller) {
+    if (seconds == std::numeric_limits<double>::infinity()) return;
+    end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                              std::chrono::duration<double>(std::clamp(seconds, 0.0, kLongest)));
+    watched_ = std::make_unique<Progress>();
+    watcher_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        if (isOver() || (caller_ != nullptr && caller_->cancelled())) watched_->cancel();
+        if (caller_ != nullptr) caller_->report(watched_->fraction());
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+    });
+  }
+
+  Progress* progress() const { return watched_ != nullptr ? watched_.get() : caller_; }
+  bool isOver() const { return watched_ != nullptr && Clock::now() >= end_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr double kLongest = 1e9;
+
+  Progress* caller_;
+  Clock::time_point end_{};
+  std::unique_ptr<Progress> watched_;
+  std::jthread watcher_;
+};
 
 void checkTau(const std::optional<double>& tau, const char* name) {
   if (!tau || (*tau > 0.0 && std::isfinite(*tau))) return;
@@ -91,7 +129,7 @@ MorseRefinement::MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::sh
   MorseDecomposition start = morseDecomposition(*field_, coarse, morseOptions, silent);
   sets_ = std::move(start.faces);
   indices_ = std::move(start.sets);
-  for (Index set = 0; set < sets_.count(); ++set) trials_.push_back({0.0, edgeTau(sets_.faces(set)), 0, false});
+  for (Index set = 0; set < sets_.count(); ++set) trials_.push_back({0.0, edgeTau(sets_.faces(set)), 0, false, {}});
 }
 
 CombinatorialMap MorseRefinement::map() const {
@@ -112,8 +150,13 @@ double MorseRefinement::edgeTau(const std::vector<Index>& faces) const {
   return options_.map.unit == TauUnit::Length ? length / (3.0 * static_cast<double>(faces.size())) : length / speed;
 }
 
+/// Always the last tau doubled, or doubled again: what is outside a set at a tau stays outside at its multiples.
 double MorseRefinement::nextTau(const Trial& trial) const {
-  return std::max(2.0 * trial.tau, options_.tauMin.value_or(options_.edgesMin * trial.scale));
+  const double least = options_.tauMin.value_or(options_.edgesMin * trial.scale);
+  if (trial.tau == 0.0 || !std::isfinite(least)) return least;
+  double tau = 2.0 * trial.tau;
+  while (tau < kSlower * least) tau *= 2.0;
+  return tau;
 }
 
 double MorseRefinement::lastTau(const Trial& trial) const {
@@ -147,18 +190,17 @@ std::vector<Index> MorseRefinement::chooseSets() const {
 }
 
 RefinementStop MorseRefinement::refine(Progress* progress) {
-  using Clock = std::chrono::steady_clock;
-  const auto begin = Clock::now();
+  const Deadline deadline(options_.maximalSeconds, progress);
+  Progress* const watched = deadline.progress();
   while (true) {
     if (progress != nullptr && progress->cancelled()) return RefinementStop::Cancelled;
     if (steps_ >= options_.maximalSteps) return RefinementStop::Steps;
-    if (std::chrono::duration<double>(Clock::now() - begin).count() >= options_.maximalSeconds) {
-      return RefinementStop::Time;
-    }
+    if (deadline.isOver()) return RefinementStop::Time;
     try {
-      if (!round(progress)) return RefinementStop::Done;
+      if (!round(watched)) return RefinementStop::Done;
     } catch (const Cancelled&) {
-      return RefinementStop::Cancelled;
+      const bool byCaller = progress != nullptr && progress->cancelled();
+      return byCaller ? RefinementStop::Cancelled : RefinementStop::Time;
     }
   }
 }
@@ -198,39 +240,80 @@ double MorseRefinement::doneFraction() const {
     if (!isOpen(s)) {
       done += size;
     } else if (trial.tau > 0.0) {
-      const double first = 0.5 * nextTau({0.0, trial.scale, 0, false});
+      const double first = 0.5 * nextTau({0.0, trial.scale, 0, false, {}});
       done += size * std::clamp(std::log2(trial.tau / first) / std::log2(lastTau(trial) / first), 0.0, 1.0);
     }
   }
   return std::min(0.99, done / all);
 }
 
+/// Steps that the field changes little in, of the faces of the set by their mean, and the sets on the way.
+SetWindows MorseRefinement::windowsOf(Index set) const {
+  const Trial& trial = trials_[set];
+  const double tau = nextTau(trial);
+  double bending = 0.0;
+  for (const Index f : sets_.faces(set)) bending += flow_->bending(f) / static_cast<double>(sets_.faces(set).size());
+  double longest = kTurnOfStep / bending;
+  if (!trial.ancestors.empty()) longest = std::min(longest, trial.ancestors.front().tau);
+  SetWindows windows;
+  while (windows.steps < kMostSteps && tau / windows.steps > 1.5 * longest) windows.steps *= 2;
+  for (int level = 1; level < windows.steps; level *= 2) {
+    SharedFaces faces;
+    for (const Ancestor& ancestor : trial.ancestors) {
+      if (ancestor.tau <= 1.001 * tau * level / windows.steps) faces = ancestor.faces;
+    }
+    windows.levels.push_back(faces);
+  }
+  return windows;
+}
+
 /// One step for each of the chosen sets; whether each of them changed. All or nothing.
 std::vector<char> MorseRefinement::refineAll(const std::vector<Index>& chosen, Progress* progress) {
-  std::map<double, std::vector<Index>> groups;
-  for (const Index s : chosen) {
-    auto& group = groups[nextTau(trials_[s])];
-    group.insert(group.end(), sets_.faces(s).begin(), sets_.faces(s).end());
-  }
-  const std::size_t limit = options_.map.memoryLimit.value_or(std::numeric_limits<std::size_t>::max());
-  std::vector<std::pair<double, TauRows>> computed;
-  for (auto& [tau, members] : groups) {
-    std::sort(members.begin(), members.end());
-    computed.emplace_back(tau, tauRows(*flow_, members, tau, limit, progress, &work_));
-  }
-  auto row = computed.begin();
-  for (const auto& [tau, members] : groups) {
-    const auto& [offsets, targets] = row->second;
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      rows_[members[i]].assign(targets.begin() + static_cast<std::ptrdiff_t>(offsets[i]),
-                               targets.begin() + static_cast<std::ptrdiff_t>(offsets[i + 1]));
-      taus_[members[i]] = tau;
+  std::vector<TauRows> computed(chosen.size());
+  std::vector<TauWork> work(chosen.size());
+  std::vector<std::size_t> bySize(chosen.size());
+  std::iota(bySize.begin(), bySize.end(), std::size_t{0});
+  std::sort(bySize.begin(), bySize.end(), [&](std::size_t a, std::size_t b) {
+    return sets_.faces(chosen[a]).size() > sets_.faces(chosen[b]).size();
+  });
+  tbb::parallel_for(
+      std::size_t{0}, chosen.size(),
+      [&](std::size_t place) {
+        const std::size_t i = bySize[place];
+        const Index s = chosen[i];
+        computed[i] = tauRowsInside(*flow_, sets_.faces(s), nextTau(trials_[s]), windowsOf(s), progress, &work[i]);
+      },
+      tbb::simple_partitioner());
+
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const std::vector<Index>& members = sets_.faces(chosen[i]);
+    const auto& [offsets, targets] = computed[i];
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      setRow(members[k], targets.data() + offsets[k], targets.data() + offsets[k + 1]);
+      taus_[members[k]] = nextTau(trials_[chosen[i]]);
     }
-    ++row;
+    work_.traces += work[i].traces;
   }
   for (const Index s : chosen) trials_[s].tau = nextTau(trials_[s]);
   steps_ += static_cast<Index>(chosen.size());
   return replace(chosen);
+}
+
+/// The row of a face of a set at a larger tau. What the row before led to outside the set is not seen any more, and
+/// stays.
+void MorseRefinement::setRow(Index face, const Index* begin, const Index* end) {
+  std::vector<Index>& row = rows_[face];
+  const auto leads = [&](Index target) {
+    return target == faces_->mesh().faceCount() || sets_.setOf(target) != sets_.setOf(face);
+  };
+  if (taus_[face] == 0.0) {
+    row.clear();
+  } else {
+    row.erase(std::remove_if(row.begin(), row.end(), [&](Index target) { return !leads(target); }), row.end());
+  }
+  row.insert(row.end(), begin, end);
+  std::sort(row.begin(), row.end());
+  row.erase(std::unique(row.begin(), row.end()), row.end());
 }
 
 /// Puts the components of the chosen sets in their place; whether each of them changed.
@@ -276,6 +359,7 @@ std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen) {
     trial.scale = edgeTau(fresh.faces(s));
     trial.unchanged = same ? trial.unchanged + 1 : 0;
     trial.done = trial.unchanged >= options_.patience;
+    trial.ancestors.push_back({trial.tau, std::make_shared<const std::vector<Index>>(fresh.faces(s))});
     if (same) changed[std::lower_bound(chosen.begin(), chosen.end(), parent[s]) - chosen.begin()] = 0;
     kept.push_back({&fresh, s, morseSet(*field_, map, poincare_, mapped, fresh, s), trial});
   }

@@ -1,15 +1,17 @@
 // Hierarchical refinement of Morse decompositions (thesis 8): from the coarse sets of the geometry-based map, those
 // that may hold more than one feature get rows of tau maps inside, with tau doubled from step to step.
 //
-// In each round the sets of highest priority (thesis 8.3) are refined: all faces of a set get the row of one tau, and
-// its strongly connected components inside the set take its place. What a set splits into stays within it, the other
-// sets and the order between sets do not change (thesis 8.2.1), so that every round leaves a valid decomposition. A set
-// is done when its priority is low, when its tau would exceed the limit, or when doubling no longer changes it.
+// In each round the sets of highest priority (thesis 8.3) are refined: all faces of a set get rows of one tau for what
+// stays in the set, keep those that lead out of it, and the strongly connected components inside the set take its
+// place. What a set splits into stays within it, the other sets and the order between sets do not change
+// (thesis 8.2.1), so that every round leaves a valid decomposition. Images are followed only while they come back to
+// the set (set_windows.h), so that a larger tau, with fewer points that stay, costs little. A set is done when its
+// priority is low, when its tau would exceed the limit, or when doubling no longer changes it.
 //
 //   MorseRefinement refinement(faces, field, {.tauMax = 0.5});
 //   const RefinementStop stop = refinement.refine(&progress);
 //   refinement.sets();  refinement.taus();
-//   const CombinatorialMap map = refinement.map();          // = tauMap(faces, field, refinement.taus())
+//   const CombinatorialMap map = refinement.map();
 #pragma once
 
 #include <memory>
@@ -18,6 +20,7 @@
 
 #include "morse/flow_mover.h"
 #include "morse/morse_decomposition.h"
+#include "morse/set_windows.h"
 #include "morse/tau_map.h"
 
 namespace stormfield {
@@ -30,7 +33,7 @@ struct RefinementOptions {
   double leastPriority = 2.0;  ///< sets of this priority or less are left as they are (r of thesis 8.3)
   int patience = 3;            ///< doublings in a row that leave a set as it is, until it is done
   Index maximalSteps = std::numeric_limits<Index>::max();           ///< refinements of one set at one tau, in all
-  double maximalSeconds = std::numeric_limits<double>::infinity();  ///< looked at between rounds
+  double maximalSeconds = std::numeric_limits<double>::infinity();  ///< of wall time; the last complete round stays
 };
 
 enum class RefinementStop {
@@ -62,17 +65,25 @@ class MorseRefinement {
   const std::vector<MorseSet>& indices() const { return indices_; }
   /// The tau of every face's row; 0 where it is the geometry-based one.
   const std::vector<double>& taus() const { return taus_; }
+  /// F: from every face to where its points are at taus(), or, if they leave a set that the face was part of, to where
+  /// they are at the first smaller tau (halved until the first one of the face) that finds them outside.
   CombinatorialMap map() const;
   /// Refinements of one set so far, and the traces they took.
   Index steps() const { return steps_; }
   std::size_t traces() const { return work_.traces; }
 
  private:
+  /// A set that a step has found: a strongly connected component at its tau.
+  struct Ancestor {
+    double tau;
+    SharedFaces faces;
+  };
   struct Trial {
     double tau = 0.0;    ///< of the last step, 0 for none
     double scale = 0.0;  ///< tau to cross one edge
     int unchanged = 0;   ///< steps in a row without change
     bool done = false;
+    std::vector<Ancestor> ancestors;  ///< by growing tau, the last one is the set itself
   };
 
   double edgeTau(const std::vector<Index>& faces) const;
@@ -84,6 +95,8 @@ class MorseRefinement {
   std::vector<char> refineAll(const std::vector<Index>& chosen, Progress* progress);
   std::vector<char> replace(const std::vector<Index>& chosen);
   double doneFraction() const;
+  SetWindows windowsOf(Index set) const;
+  void setRow(Index face, const Index* begin, const Index* end);
 
   std::shared_ptr<const FlatFaces> faces_;
   std::shared_ptr<const VectorField> field_;

@@ -7,6 +7,7 @@
 
 #include "base/message.h"
 #include "combinatorial/geometry_map.h"
+#include "morse/error_bound.h"
 #include "morse/tau_rows.h"
 
 namespace stormfield {
@@ -113,17 +114,11 @@ double startingTau(const VectorField& field, TauUnit unit, double edges) {
   if (!(edges > 0.0 && std::isfinite(edges))) {
     throw InputError(message("a tau for ", edges, " edges was asked for; give a positive number"));
   }
-  const TriangleMesh& mesh = field.mesh();
-  const double length = edges * mesh.meanEdgeLength();
+  const double length = edges * field.mesh().meanEdgeLength();
   if (unit == TauUnit::Length) return length;
-  double speed = 0.0, area = 0.0;
-  for (Index v = 0; v < mesh.vertexCount(); ++v) {
-    if (mesh.outgoing(v) == kNone) continue;
-    speed += mesh.vertexArea(v) * std::abs(field.values[v]);
-    area += mesh.vertexArea(v);
-  }
+  const double speed = meanSpeed(field);
   if (!(speed > 0.0)) throw InputError("the field is zero everywhere: no tau takes anything from its place");
-  return length * area / speed;
+  return length / speed;
 }
 
 }  // namespace stormfield

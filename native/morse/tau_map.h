@@ -1,6 +1,7 @@
 // The tau map (thesis 6.3, 7.1): the combinatorial map F of moving every point along the flow for a time tau, or for an
 // arc length (spatial tau, thesis 7.2). F(T) encloses the image { phi(tau, x) : x in T } of the closed face T with
-// padding, not provably: on coarse, uneven meshes up to 3 of 1000 random points were seen outside at 6 edges of tau.
+// padding that grows with what the flow may do between samples (edge_image.h). That is an estimate, not a proof; tests
+// look for points that end outside.
 //
 // The image of a face is bounded by the images of its edges, which are sampled until the curves between samples are
 // enclosed (edge_image.h); what lies inside is found by mapping vertices back (tau_rows.h). Flow that leaves through

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <numeric>
 
 #include "base/message.h"
@@ -87,14 +88,23 @@ class Budget {
   std::atomic<std::size_t> used_{0}, peak_{0};
 };
 
+constexpr double kMostSteps = 64.0;
+
+/// Images are followed in steps that the field changes little in.
+int stepsOf(const TauFlow& flow, double tau) {
+  return static_cast<int>(std::clamp(std::ceil(tau / flow.stepTau()), 1.0, kMostSteps));
+}
+
 class RowMaker {
  public:
-  RowMaker(const TauFlow& flow, const std::vector<Index>& faces, double tau, std::size_t memoryLimit,
-           Progress* progress)
+  RowMaker(const TauFlow& flow, const std::vector<Index>& faces, double tau, const SetWindows* windows,
+           std::size_t memoryLimit, Progress* progress)
       : flow_(flow),
         mesh_(flow.mesh()),
         faces_(faces),
         tau_(tau),
+        windows_(windows),
+        steps_(windows == nullptr ? stepsOf(flow, tau) : windows->steps),
         progress_(progress),
         budget_(memoryLimit),
         vertices_(mesh_.vertexCount()),
@@ -122,6 +132,7 @@ class RowMaker {
   void advance(std::size_t items) {
     if (progress_ == nullptr) return;
     progress_->check();
+    if (windows_ != nullptr) return;  // one set of many
     progress_->report(std::min(1.0, static_cast<double>(done_ += items) / static_cast<double>(total_)));
   }
 
@@ -151,20 +162,37 @@ class RowMaker {
   }
 
   void mapVertices() {
-    arrivals_.resize(vertices_.elements().size());
+    arrivals_.resize(vertices_.elements().size() * steps_);
+    known_.resize(vertices_.elements().size());
     budget_.take(sizeof(Arrival) * arrivals_.size());
-    eachTrace(arrivals_.size(), Direction::Forward, [&](std::size_t i, Mover& mover) {
-      arrivals_[i] = mover.move(vertexPoint(mesh_, vertices_.elements()[i]), tau_);
+    eachTrace(vertices_.elements().size(), Direction::Forward, [&](std::size_t i, Mover& mover) {
+      Arrival at{vertexPoint(mesh_, vertices_.elements()[i])};
+      int& known = known_[i] = 0;
+      while (known < steps_ && (known == 0 || isInSight(known, at))) {
+        if (!at.left) at = mover.move(at.point, tau_ / steps_);
+        arrivals_[i * steps_ + known++] = at;
+      }
     });
+  }
+
+  bool isInSight(int step, const Arrival& at) const {
+    return windows_ == nullptr || windows_->holds(step, at.point.face);
+  }
+
+  void copyArrivals(Index v, std::vector<Arrival>& arrivals) const {
+    const auto first = arrivals_.begin() + static_cast<std::ptrdiff_t>(vertices_.slot(v)) * steps_;
+    arrivals.assign(first, first + known_[vertices_.slot(v)]);
   }
 
   void mapEdges(PiecewiseLists& images) {
     tbb::parallel_for(std::size_t{0}, images.pieceCount(), [&](std::size_t piece) {
-      EdgeImageMaker maker(flow_, tau_, progress_);
+      EdgeImageMaker maker(flow_, tau_, steps_, windows_, progress_);
+      std::vector<Arrival> tail, head;
       for (std::size_t i = images.begin(piece); i < images.end(piece); ++i) {
         const Index edge = edges_.elements()[i], h = mesh_.edgeHalfedge(edge);
-        const auto arrival = [&](Index v) { return arrivals_[vertices_.slot(v)]; };
-        const EdgeImage& image = maker.make(edge, arrival(mesh_.tail(h)), arrival(mesh_.head(h)));
+        copyArrivals(mesh_.tail(h), tail);
+        copyArrivals(mesh_.head(h), head);
+        const EdgeImage& image = maker.make(edge, tail, head);
         images.append(i, image.faces);
         leaves_[i] = image.leaves;
       }
@@ -214,10 +242,36 @@ class RowMaker {
     Index known = origins_[v].load(std::memory_order_relaxed);
     if (known != kUnknown) return known;
     ++traces_;
-    const Arrival from = scratch.backward->move(vertexPoint(mesh_, v), tau_);
-    known = from.left ? kOutside : from.point.face;
+    Arrival from{vertexPoint(mesh_, v)};
+    bool inSight = true;
+    const int steps = windows_ == nullptr ? 1 : steps_;
+    for (int k = steps; k-- > 0 && inSight;) {
+      from = scratch.backward->move(from.point, tau_ / steps);
+      inSight = !from.left && (k == 0 || isInSight(k, from));
+    }
+    known = inSight ? from.point.face : kOutside;
     origins_[v].store(known, std::memory_order_relaxed);
     return known;
+  }
+
+  /// A vertex of the set and the face that the flow takes it from.
+  struct Inside {
+    Index origin, vertex;
+  };
+
+  /// Of all vertices of the set: an image may hold some of it while its boundary is out of sight.
+  void findOrigins(tbb::enumerable_thread_specific<Scratch>& scratches) {
+    const std::vector<Index>& vertices = vertices_.elements();
+    tbb::parallel_for(std::size_t{0}, (vertices.size() + kPiece - 1) / kPiece, [&](std::size_t piece) {
+      Scratch& scratch = scratches.local();
+      const std::size_t end = std::min(vertices.size(), (piece + 1) * kPiece);
+      for (std::size_t i = piece * kPiece; i < end; ++i) origin(vertices[i], scratch);
+      if (progress_ != nullptr) progress_->check();
+    });
+    for (const Index v : vertices) inside_.push_back({origins_[v].load(std::memory_order_relaxed), v});
+    std::sort(inside_.begin(), inside_.end(), [](const Inside& a, const Inside& b) {
+      return a.origin != b.origin ? a.origin < b.origin : a.vertex < b.vertex;
+    });
   }
 
   /// Adds the faces around the vertices inside the image, whose boundary meets the faces of the row.
@@ -232,6 +286,11 @@ class RowMaker {
     };
     for (const Index f : row) {
       for (int k = 0; k < 3; ++k) meet(mesh_.vertex(f, k));
+    }
+    if (windows_ != nullptr) {
+      const auto [first, last] = std::equal_range(inside_.begin(), inside_.end(), Inside{face, kNone},
+                                                  [](const Inside& a, const Inside& b) { return a.origin < b.origin; });
+      for (auto it = first; it != last; ++it) meet(it->vertex);
     }
     if (stack.empty()) return;
     while (!stack.empty()) {
@@ -256,6 +315,7 @@ class RowMaker {
       return Scratch{
           flow_.mover(Direction::Backward, progress_), {}, {}, std::vector<std::uint32_t>(mesh_.vertexCount(), 0)};
     });
+    if (windows_ != nullptr) findOrigins(scratches);
     tbb::parallel_for(std::size_t{0}, rows.pieceCount(), [&](std::size_t piece) {
       Scratch& scratch = scratches.local();
       for (std::size_t i = rows.begin(piece); i < rows.end(piece); ++i) {
@@ -285,10 +345,14 @@ class RowMaker {
   const TriangleMesh& mesh_;
   const std::vector<Index>& faces_;
   double tau_;
+  const SetWindows* windows_;
+  int steps_;
   Progress* progress_;
   Budget budget_;
   Numbering vertices_, edges_;
-  std::vector<Arrival> arrivals_;
+  std::vector<Arrival> arrivals_;  ///< after every step, of each vertex
+  std::vector<int> known_;         ///< steps of each vertex that were followed
+  std::vector<Inside> inside_;     ///< by origin
   std::vector<char> leaves_;
   std::vector<std::atomic<Index>> origins_;  ///< per vertex
   std::atomic<std::size_t> done_{0}, traces_{0};
@@ -299,7 +363,13 @@ class RowMaker {
 
 TauRows tauRows(const TauFlow& flow, const std::vector<Index>& faces, double tau, std::size_t memoryLimit,
                 Progress* progress, TauWork* work) {
-  return RowMaker(flow, faces, tau, memoryLimit, progress).run(work);
+  return RowMaker(flow, faces, tau, nullptr, memoryLimit, progress).run(work);
+}
+
+TauRows tauRowsInside(const TauFlow& flow, const std::vector<Index>& faces, double tau, const SetWindows& windows,
+                      Progress* progress, TauWork* work) {
+  constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+  return RowMaker(flow, faces, tau, &windows, kNoLimit, progress).run(work);
 }
 
 TauRows geometryRows(const CombinatorialMap& geometry, const std::vector<Index>& faces) {

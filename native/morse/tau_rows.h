@@ -2,12 +2,13 @@
 //
 // F(T) is what the images of the edges of T meet and what they enclose. A vertex lies inside the image when the flow
 // takes it back into T (backward mapping, thesis 7.1.2); then all faces around it belong to F(T). Asked are the
-// vertices of the faces met and, from those inside, their neighbours.
+// vertices of the faces met and, from those inside, their neighbours; inside a Morse set, all vertices of the set.
 #pragma once
 
 #include <vector>
 
 #include "morse/flow_mover.h"
+#include "morse/set_windows.h"
 
 namespace stormfield {
 
@@ -21,6 +22,9 @@ struct TauRows {
 /// Cancelled.
 TauRows tauRows(const TauFlow& flow, const std::vector<Index>& faces, double tau, std::size_t memoryLimit,
                 Progress* progress = nullptr, TauWork* work = nullptr);
+/// The rows of a Morse set's faces, of images that are followed only while they come back to the set.
+TauRows tauRowsInside(const TauFlow& flow, const std::vector<Index>& faces, double tau, const SetWindows& windows,
+                      Progress* progress = nullptr, TauWork* work = nullptr);
 /// Their rows in the geometry-based map, which stands for tau = 0.
 TauRows geometryRows(const CombinatorialMap& geometry, const std::vector<Index>& faces);
 

@@ -55,20 +55,33 @@ VectorField smoothField(const std::shared_ptr<const VertexCharts>& charts) {
 
 class TauMapOnSurfaces : public testing::TestWithParam<NamedSurface> {};
 
-TEST_P(TauMapOnSurfaces, EnclosesTheImagesOfASmoothField) {
+TEST_P(TauMapOnSurfaces, EnclosesTheImagesOfSmoothAndRandomFields) {
   const auto charts = makeCharts(GetParam().surface);
   const FlatFaces faces(charts);
-  const VectorField field = smoothField(charts);
-  for (const double edges : {0.3, 2.0}) {
-    const double tau = startingTau(field, TauUnit::Time, edges);
-    const CombinatorialMap map = tauMap(faces, field, tau);
-    EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, tries(1000)), 0) << edges << " edges";
+  const bool all = tries(1) > 1;
+  for (const VectorField& field : {smoothField(charts), randomField(charts, 3)}) {
+    for (const double edges : {0.3, 2.0, 6.0}) {
+      for (const TauUnit unit : {TauUnit::Time, TauUnit::Length}) {
+        TauMapOptions options;
+        options.unit = unit;
+        if (!all && unit == TauUnit::Length && edges > 2.0) continue;
+        const double tau = startingTau(field, unit, edges);
+        std::vector<Index> asked;
+        for (Index f = 0; f < charts->mesh().faceCount(); f += all ? 1 : 1 + charts->mesh().faceCount() / 4) {
+          asked.push_back(f);
+        }
+        std::vector<double> taus(charts->mesh().faceCount(), 0.0);
+        for (const Index f : asked) taus[f] = tau;
+        const CombinatorialMap map = tauMap(faces, field, taus, options);
+        EXPECT_EQ(escapes(faces, field, map, unit, tau, tries(50), asked), 0)
+            << edges << " edges, unit " << static_cast<int>(unit);
+      }
+    }
   }
 }
 
 std::vector<NamedSurface> allSurfaces() {
   auto all = closedSurfaces();
-  all.erase(all.begin());  // a tetrahedron is no place for smooth fields
   for (auto& s : boundedSurfaces()) all.push_back(std::move(s));
   return all;
 }
@@ -195,7 +208,7 @@ TEST(TauMap, RefusesWhatItCannotUse) {
 
 TEST(TauMap, NamesTheLargestTauThatFitsIntoMemory) {
   // Shear around a torus draws images out, the longer the farther.
-  const auto charts = makeCharts(torus(10, 6));
+  const auto charts = makeCharts(torus(8, 5));
   const FlatFaces faces(charts);
   Points vectors(charts->mesh().vertexCount(), 3);
   for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
@@ -204,17 +217,17 @@ TEST(TauMap, NamesTheLargestTauThatFitsIntoMemory) {
   }
   const VectorField shear = fromSpace(charts, vectors);
   TauMapOptions options;
-  options.memoryLimit = 26000;
+  options.memoryLimit = 18500;
   EXPECT_NO_THROW(tauMap(faces, shear, 0.01, options));
   try {
-    tauMap(faces, shear, 4.0, options);
+    tauMap(faces, shear, 2.5, options);
     FAIL() << "it fits";
   } catch (const InputError& e) {
     const std::string text = e.what(), before = "the largest tau that fits is about ";
     ASSERT_NE(text.find(before), std::string::npos) << text;
     const double largest = std::stod(text.substr(text.find(before) + before.size()));
     EXPECT_GT(largest, 0.01);
-    EXPECT_LT(largest, 4.0);
+    EXPECT_LT(largest, 2.5);
     EXPECT_NO_THROW(tauMap(faces, shear, 0.9 * largest, options)) << largest;
   }
 }
@@ -254,16 +267,16 @@ TEST(TauMap, WorksOnASingleTriangle) {
 }
 
 TEST(TauMap, StopsWhenCancelled) {
-  const auto charts = makeCharts(icosphere(3));
+  const auto charts = makeCharts(icosphere(4));
   const FlatFaces faces(charts);
   const VectorField field = smoothField(charts);
-  for (const double part : {0.0, 0.01, 0.1, 0.5, 0.9}) {
+  for (const double part : {0.0, 0.05, 0.3}) {
     Progress progress;
     std::thread watcher([&] {
       while (progress.fraction() < part) std::this_thread::yield();
       progress.cancel();
     });
-    EXPECT_THROW(tauMap(faces, field, 1.0, {}, &progress), Cancelled) << part;
+    EXPECT_THROW(tauMap(faces, field, 1.5, {}, &progress), Cancelled) << part;
     watcher.join();
   }
 }
