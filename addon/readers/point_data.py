@@ -28,6 +28,8 @@ def read_surface(path: Path) -> tuple[MeshData, dict[str, np.ndarray]]:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             found = meshio.read(path)
     except (Exception, SystemExit) as error:
+        if _empty_ply(path):
+            raise InputError(f"{path}: has no vertices; give a surface of triangles") from error
         reason = str(error).strip().splitlines()
         said = f" ({reason[0]})" if reason and not reason[0].isdigit() else ""
         raise InputError(f"{path}: is not a mesh that can be read{said}; use .t, .ply, .obj, .vtk or .vtu") from error
@@ -40,6 +42,13 @@ def read_surface(path: Path) -> tuple[MeshData, dict[str, np.ndarray]]:
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     return MeshData(points, np.concatenate(triangles)), dict(found.point_data)
+
+
+def _empty_ply(path: Path) -> bool:
+    try:
+        return b"element vertex 0\n" in path.read_bytes()[:4096].replace(b"\r\n", b"\n")
+    except OSError:
+        return False
 
 
 def _fans(polygons) -> np.ndarray:

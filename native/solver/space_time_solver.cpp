@@ -78,7 +78,8 @@ struct SpaceTimeState::Data {
   std::shared_ptr<const SpaceTimeSolver::System> system;
   ConstraintRows rows;
   bool residualKnown = false;  ///< vectors.r is the residual of vectors.x under rows
-  double error = 0.0;          ///< estimated, of the solution under rows, where its residual is known
+  bool solved = false;         ///< vectors.x is the solution under rows
+  double error = 0.0;          ///< estimated, of it
   Multigrid multigrid;
   KrylovVectors vectors;
   double scale = 0.0;  ///< the solution is scale * vectors.x; 0: there is none
@@ -147,6 +148,7 @@ class SpaceTimeSolver::Solve {
     findComponents(constraints);
     std::swap(state_.rows, rows);
     if (std::exchange(state_.residualKnown, false)) before_ = &rows;
+    const bool solved = std::exchange(state_.solved, false) && sameConstraints(rows);
     rightSide_ = residual_.rightSide(state_.rows, progress_);
     if (rightSide_ == 0.0) {
       // Every value asked for is zero, and so is the field.
@@ -155,10 +157,10 @@ class SpaceTimeSolver::Solve {
     } else {
       state_.multigrid.constrain(state_.rows, progress_);
       Squares first = start();
-      const bool solved = sameConstraints();
       rows = {};
       inSinglePrecision(std::move(first), solved);
       if (result_.residual > options_.tolerance) inDoublePrecision();
+      state_.solved = true;
     }
     progress_.report(1.0);
     return std::move(result_);
@@ -231,12 +233,11 @@ class SpaceTimeSolver::Solve {
     result_.iterations += outcome.steps;
     return outcome.error;
   }
-  /// Whether the state's solution is that of these constraints already.
-  bool sameConstraints() const {
-    for (Index row = 0; before_ && row < static_cast<Index>(mass_.size()); ++row) {
-      if (!state_.rows.sameRow(row, *before_)) return false;
+  bool sameConstraints(const ConstraintRows& before) const {
+    for (Index row = 0; row < static_cast<Index>(mass_.size()); ++row) {
+      if (!state_.rows.sameRow(row, before)) return false;
     }
-    return before_ != nullptr;
+    return true;
   }
 
   /// A residual that is short enough says nothing of a solution that was not solved for.

@@ -21,6 +21,11 @@ TEST(SpaceTimeSolver, WarmStartReachesTheSameFieldInFewerSteps) {
   EXPECT_EQ(same.iterations, 0);
   EXPECT_EQ(same.error, before.error);
   EXPECT_EQ(same.field.values, before.field.values);
+  const SpaceTimeSolver precise(sphere, {.samples = 40, .tolerance = 1e-6});
+  SpaceTimeState preciseState;
+  const SpaceTimeResult once = precise.solve(storms::storms(*sphere, storm), progress, preciseState);
+  const SpaceTimeResult twice = precise.solve(storms::storms(*sphere, storm), progress, preciseState);
+  EXPECT_LT(difference(twice.field.values, once.field.values), 1e-5);
   // What another field is to these constraints only a step can tell.
   const SpaceTimeResult again = solver.solve(storms::storms(*sphere, storm), progress, fromField);
   EXPECT_EQ(again.iterations, 1);
