@@ -29,7 +29,9 @@ enum class EntityKind {
   None,  ///< nowhere known: into a region of rest, or the work allowed was used up
   FixedPoint,
   PeriodicOrbit,
-  Boundary,  ///< the flow leaves the surface there; not a node of the graph
+  /// The flow leaves the surface there. No node of the graph: the thesis defines it for closed surfaces, and what
+  /// leaves has no limit. Separatrices say that they end there.
+  Boundary,
 };
 struct EntityRef {
   EntityKind kind = EntityKind::None;

@@ -5,7 +5,9 @@
 // boundary or by a creation, and ends at the last sample, at the boundary or by an annihilation; a saddle and a node
 // appear and vanish together. At every lambda the indices of the living paths are the Poincare indices of the faces
 // that hold them: on a closed mesh they add up to the Euler characteristic. Where a source turns into a sink or back,
-// through a center, the path goes on and a Hopf bifurcation is listed.
+// through a center, the path goes on and a Hopf bifurcation is listed. Two points of opposite index inside one face,
+// which only a strongly curved one can hold, are no points as long as they stay there: a pair that is born in one
+// appears when its first point leaves.
 //
 //   const Tracking tracking = trackFixedPoints(field, {}, progress);
 //   for (const TrackedPath& path : tracking.paths) ... path.samples ...

@@ -122,7 +122,10 @@ TEST(Topology, OfRandomVectorsEnds) {
   for (const NamedSurface& s : closedSurfaces()) {
     const auto charts = makeCharts(s.surface);
     for (std::uint64_t seed = 4; seed < shortOrLong(5u, 12u); ++seed) {
-      for (const VectorField& field : {randomField(charts, seed), randomIntegerField(charts, seed)}) {
+      // Integers are the harder ones: zeros at vertices and on edges, flow along edges.
+      std::vector<VectorField> fields{randomIntegerField(charts, seed)};
+      if (longTests()) fields.push_back(randomField(charts, seed));
+      for (const VectorField& field : fields) {
         const Topology topology = topologyOf(field);
         int sum = 0;
         for (const FixedPoint& p : topology.fixedPoints) sum += p.index;
