@@ -285,18 +285,20 @@ std::vector<char> MorseRefinement::refineAll(const std::vector<Index>& chosen, P
       },
       tbb::simple_partitioner());
 
+  std::vector<std::vector<Index>> seen(rows_.size());  // rows without those of smaller tau
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const std::vector<Index>& members = sets_.faces(chosen[i]);
     const auto& [offsets, targets] = computed[i];
     for (std::size_t k = 0; k < members.size(); ++k) {
       setRow(members[k], targets.data() + offsets[k], targets.data() + offsets[k + 1]);
+      seen[members[k]].assign(targets.data() + offsets[k], targets.data() + offsets[k + 1]);
       taus_[members[k]] = nextTau(trials_[chosen[i]]);
     }
     work_.traces += work[i].traces;
   }
   for (const Index s : chosen) trials_[s].tau = nextTau(trials_[s]);
   steps_ += static_cast<Index>(chosen.size());
-  return replace(chosen);
+  return replace(chosen, std::move(seen));
 }
 
 /// The row of a face of a set at a larger tau. What the row before led to outside the set is not seen any more, and
@@ -317,7 +319,7 @@ void MorseRefinement::setRow(Index face, const Index* begin, const Index* end) {
 }
 
 /// Puts the components of the chosen sets in their place; whether each of them changed.
-std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen) {
+std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen, std::vector<std::vector<Index>> seen) {
   const auto faceCount = static_cast<std::size_t>(faces_->mesh().faceCount());
   const LocalParts parts = splitSets(sets_, chosen, rows_);
   std::vector<Index> number(parts.components.count(), kNone), setOf(faceCount, kNone), parent;
@@ -333,13 +335,9 @@ std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen) {
   const FaceSets fresh(std::move(setOf), static_cast<Index>(parent.size()));
   const std::vector<char> recurs = canRecur(faces_->mesh(), fresh, resting_);
 
-  std::vector<std::vector<Index>> freshRows(faceCount);
   std::vector<char> mapped(faceCount, 0);
-  for (const Index f : parts.faces) {
-    freshRows[f] = rows_[f];
-    mapped[f] = 1;
-  }
-  const CombinatorialMap map = mapOf(freshRows);
+  for (const Index f : parts.faces) mapped[f] = 1;
+  const CombinatorialMap map = mapOf(seen);
 
   struct Kept {
     const FaceSets* from;

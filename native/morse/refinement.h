@@ -93,7 +93,7 @@ class MorseRefinement {
   double priority(Index set) const;
   std::vector<Index> chooseSets() const;
   std::vector<char> refineAll(const std::vector<Index>& chosen, Progress* progress);
-  std::vector<char> replace(const std::vector<Index>& chosen);
+  std::vector<char> replace(const std::vector<Index>& chosen, std::vector<std::vector<Index>> seen);
   double doneFraction() const;
   SetWindows windowsOf(Index set) const;
   void setRow(Index face, const Index* begin, const Index* end);
