@@ -74,6 +74,9 @@ class alignas(64) FlatFace {
             i == 0 ? -shear_ - inverseHeight_ : (i == 1 ? shear_ : inverseHeight_)};
   }
   double longestSide() const { return base_ * static_cast<double>(sides_[3]); }
+  /// 2 (1 - scale) of a corner, and the tangent of half its angle.
+  float doubleTwist(int corner) const { return doubleTwist_[corner]; }
+  float tanHalf(int corner) const { return tanHalf_[corner]; }
 
   Complex carry(int i, Complex value) const { return value * turn_[i]; }
   CarriedVectors carry(Complex a, Complex b, Complex c) const {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "field/vector_field.h"
+#include "tracing/face_flow.h"
 #include "tracing/flat_faces.h"
 #include "tracing/lambda_track.h"
 
@@ -17,7 +18,9 @@ class SteadyFlow {
   struct Cursor {};
   using Local = CarriedVectors;
 
-  SteadyFlow(const Complex* values, double rate) : values_(values), rate_(rate) {}
+  /// prepared: what FaceFlow makes of each face and rate * values, for many traces; otherwise as the traces go.
+  SteadyFlow(const Complex* values, double rate, const FaceFlow* prepared = nullptr)
+      : values_(values), rate_(rate), prepared_(prepared) {}
 
   Cursor start(double) const { return {}; }
   /// Time left until the cursor has to advance.
@@ -32,14 +35,28 @@ class SteadyFlow {
   std::array<Complex, 3> vertexValues(const FlatFace& face) const {
     return {rate_ * values_[face.vertex(0)], rate_ * values_[face.vertex(1)], rate_ * values_[face.vertex(2)]};
   }
+  const FaceFlow* prepared(Index f) const { return prepared_ == nullptr ? nullptr : prepared_ + f; }
+  /// Says that a face will be entered soon.
+  void prefetch(Index f) const {
+#ifdef __GNUC__
+    if (prepared_ == nullptr) return;
+    __builtin_prefetch(prepared_ + f);
+    __builtin_prefetch(reinterpret_cast<const char*>(prepared_ + f) + sizeof(FaceFlow) / 2);
+#else
+    static_cast<void>(f);
+#endif
+  }
   Complex velocity(const FlatFace& face, const Local& u, Cursor, Complex p, double) const {
     return face.evaluate(u, p);
   }
-  Complex vertexVelocity(Index v, Cursor, double) const { return rate_ * values_[v]; }
+  Complex vertexVelocity(Index v, Cursor, double) const {
+    return rate_ * values_[v];
+  }
 
  private:
   const Complex* values_;
   double rate_;
+  const FaceFlow* prepared_;
 };
 
 /// Times are physical seconds; a negative rate goes back in time.

@@ -1,6 +1,7 @@
 // The one integrator behind streamlines and pathlines: dx/dt = V(x; t) on the surface, face by face in flat frames.
 //
-// A steady flow takes most faces in one step (tracing/face_path.h). Elsewhere Merson's fourth-order Runge-Kutta rule
+// A steady flow takes most faces in one step (tracing/face_path.h), which may also be computed outside, for several
+// particles side by side (tracing/side_by_side.h). Elsewhere Merson's fourth-order Runge-Kutta rule
 // estimates and controls the error; a step is tried a little farther than the straight exit from the face, and where
 // the cubic through its ends crosses an edge, it ends on that edge, at the same point for both faces. Because the field
 // is continuous across edges, following an edge or touching it needs no special case beyond a slack of round-off size.
@@ -36,15 +37,7 @@ class Integrator {
   /// return a bool: false ends the trace.
   template <typename Visit>
   TraceEnd run(const SurfacePoint& seed, double startTime, double maximalTime, Visit&& visit) {
-    startTime_ = startTime;
-    maximalTime_ = maximalTime;
-    cursor_ = flow_.start(startTime);
-    elapsed_ = length_ = 0.0;
-    trialStep_ = std::numeric_limits<double>::infinity();
-    slide_ = kNoSide;
-    idleCrossings_ = 0;
-    entry_ = SidePoint{};
-    end_ = TraceEnd{};
+    reset(startTime, maximalTime);
     const auto wanted = [&](const SurfacePoint& p) {
       if constexpr (std::is_same_v<std::invoke_result_t<Visit&, const SurfacePoint&, double>, bool>) {
         return visit(p, elapsed_) || stop(StopReason::Visitor);
@@ -62,6 +55,41 @@ class Integrator {
       going = advance();
       going = wanted(here()) && going;
     }
+    return end();
+  }
+
+  // The same in parts, for steps that are computed outside. begin and take tell whether the trace goes on.
+
+  bool begin(const SurfacePoint& seed, double startTime, double maximalTime) {
+    reset(startTime, maximalTime);
+    return place(seed);
+  }
+  /// Whether a limit is reached: then the trace has ended, else a step has been counted.
+  bool isOver() {
+    if (end_.steps++ >= options_.maximalSteps) return !stop(StopReason::StepLimit);
+    if (elapsed_ >= maximalTime_) return !stop(StopReason::Time);
+    if (length_ >= options_.maximalLength) return !stop(StopReason::Length);
+    return false;
+  }
+  /// Sets the next step through the face at hand; false where it cannot be in closed form.
+  bool ask(FaceSteps& steps, int i) {
+    if (!mayStep()) return false;
+    steps.set(i, faceFlow(), entry_, inside(), maximalTime_ - elapsed_);
+    return true;
+  }
+  const StepLimits& limits() const { return limits_; }
+  /// Goes a step in closed form, if it is within the limits of the trace; else false and nothing done.
+  bool fits(const FaceStep& step) const { return length_ + step.length < options_.maximalLength; }
+  bool take(const FaceStep& step);
+  bool takeSmallStep();
+  SurfacePoint here() const {
+    if (!positioned_) return {face_, inside()};
+    SurfacePoint p{face_, flat_->barycentric(position_).cwiseMax(0.0)};
+    p.barycentric /= p.barycentric.sum();
+    return p;
+  }
+  double elapsed() const { return elapsed_; }
+  const TraceEnd& end() {
     end_.point = here();
     end_.time = elapsed_;
     end_.length = length_;
@@ -82,13 +110,22 @@ class Integrator {
   /// The same of a step in closed form, which may go around a fixed point.
   static constexpr double kRelativeStepError = 1e-4;
 
+  /// Finer tolerances, in mean edges, than what steps in closed form are good for.
+  static constexpr double kFinest = 1e-9;
+  bool mayStep() const { return slide_ == kNoSide && idleCrossings_ == 0 && options_.tolerance >= kFinest; }
+
   double time() const { return startTime_ + timeSign_ * elapsed_; }
   double timeLeft() const { return std::min(maximalTime_ - elapsed_, flow_.remaining(cursor_, time())); }
 
-  SurfacePoint here() const {
-    SurfacePoint p{face_, flat_->barycentric(position_).cwiseMax(0.0)};
-    p.barycentric /= p.barycentric.sum();
-    return p;
+  void reset(double startTime, double maximalTime) {
+    startTime_ = startTime;
+    maximalTime_ = maximalTime;
+    cursor_ = flow_.start(startTime);
+    elapsed_ = length_ = 0.0;
+    trialStep_ = std::numeric_limits<double>::infinity();
+    slide_ = kNoSide;
+    idleCrossings_ = 0;
+    end_ = TraceEnd{};
   }
 
   bool stop(StopReason reason) {
@@ -100,7 +137,34 @@ class Integrator {
     face_ = face;
     flat_ = &faces_[face];
     entry_ = SidePoint{};
+    positioned_ = true;
     loaded_ = false;
+  }
+  /// Barycentric coordinates of the particle.
+  Eigen::Vector3d inside() const {
+    if (positioned_) return flat_->barycentric(position_);
+    if (entry_.side == kNoSide) return inside_;
+    Eigen::Vector3d b;
+    b[entry_.side] = 1.0 - entry_.fraction;
+    b[(entry_.side + 1) % 3] = entry_.fraction;
+    b[(entry_.side + 2) % 3] = 0.0;
+    return b;
+  }
+  /// Steps in closed form leave the position in the flat frame to those who need it.
+  void locate() {
+    if (positioned_) return;
+    position_ = flat_->point(inside());
+    positioned_ = true;
+  }
+  const FaceFlow& faceFlow() {
+    if constexpr (kInClosedForm) {
+      if (const FaceFlow* ready = flow_.prepared(face_)) return *ready;
+      if (faceOfFlow_ != face_) {
+        faceFlow_ = FaceFlow(*flat_, flow_.vertexValues(*flat_));
+        faceOfFlow_ = face_;
+      }
+    }
+    return faceFlow_;
   }
   /// Carries the vectors of the face at hand into its frame; needed before its velocities.
   void load() {
@@ -135,14 +199,6 @@ class Integrator {
     return true;
   }
 
-  /// Through the face in closed form, where that is exact enough and within the limits.
-  bool stepsAtOnce(FaceStep& step) requires kInClosedForm {
-    if (slide_ != kNoSide || idleCrossings_ > 0) return false;
-    limits_.maximalDuration = maximalTime_ - elapsed_;
-    return stepThroughFace(faces_, face_, flow_.vertexValues(*flat_), entry_, flat_->barycentric(position_), limits_,
-                           step) &&
-           length_ + step.length < options_.maximalLength;
-  }
   bool advance();
   bool integrate(double h, const Eigen::Vector3d& b, Complex k1, const Eigen::Vector3d& rate);
   bool cross(int side, double fraction);
@@ -167,7 +223,11 @@ class Integrator {
   const FlatFace* flat_ = nullptr;
   typename Flow::Local local_;
   bool loaded_ = false;
-  SidePoint entry_;  ///< where the particle entered the face, as long as it is there
+  SidePoint entry_;         ///< where the particle entered the face, as long as it is there
+  bool positioned_ = true;  ///< else it is at the entry, or at inside_
+  Eigen::Vector3d inside_;  ///< barycentric coordinates after a step in closed form that ends inside
+  FaceFlow faceFlow_;       ///< of the face faceOfFlow_
+  Index faceOfFlow_ = kNone;
   typename Flow::Cursor cursor_;
   Complex position_;
   double elapsed_ = 0.0, length_ = 0.0, trialStep_ = 0.0;
@@ -179,21 +239,42 @@ class Integrator {
 /// One step, one crossing, or one change of the time segment. False when the trace has ended.
 template <typename Flow>
 bool Integrator<Flow>::advance() {
-  if (end_.steps++ >= options_.maximalSteps) return stop(StopReason::StepLimit);
-  if (elapsed_ >= maximalTime_) return stop(StopReason::Time);
-  if (length_ >= options_.maximalLength) return stop(StopReason::Length);
+  if (isOver()) return false;
   if constexpr (kInClosedForm) {
-    FaceStep step;
-    if (stepsAtOnce(step)) {
-      elapsed_ = step.duration < maximalTime_ - elapsed_ ? elapsed_ + step.duration : maximalTime_;
-      length_ += step.length;
-      idleCrossings_ = 0;
-      if (step.exit.side != kNoSide) return cross(step.exit.side, step.exit.fraction);
-      entry_ = SidePoint{};
-      position_ = flat_->point(step.barycentric);
-      return true;
+    if (mayStep()) {
+      FaceStep step;
+      limits_.maximalDuration = maximalTime_ - elapsed_;
+      if (stepThroughFace(faceFlow(), entry_, inside(), limits_, step) && fits(step)) return take(step);
     }
   }
+  return takeSmallStep();
+}
+
+template <typename Flow>
+bool Integrator<Flow>::take(const FaceStep& step) {
+  elapsed_ = step.duration < maximalTime_ - elapsed_ ? elapsed_ + step.duration : maximalTime_;
+  length_ += step.length;
+  idleCrossings_ = 0;
+  if (step.exit.side == kNoSide) {
+    entry_ = SidePoint{};
+    inside_ = step.barycentric;
+    positioned_ = false;
+    return true;
+  }
+  const Index twin = faceFlow().twin[step.exit.side];
+  if (twin == kNone) return cross(step.exit.side, step.exit.fraction);
+  ++end_.crossings;
+  enter(TriangleMesh::face(twin));
+  flow_.prefetch(face_);
+  entry_ = {TriangleMesh::corner(twin), 1.0 - step.exit.fraction};
+  positioned_ = false;
+  return true;
+}
+
+/// Where no closed form holds: a step of the Runge-Kutta rule, a crossing that takes no time, a change of the segment.
+template <typename Flow>
+bool Integrator<Flow>::takeSmallStep() {
+  locate();
   const double left = timeLeft();
   if (left <= 0.0) {
     flow_.advance(cursor_);
@@ -313,6 +394,7 @@ bool Integrator<Flow>::cross(int i, double fraction) {
   if (fraction > 1.0 - kSnap) return leaveVertex((i + 1) % 3);
   const Index twin = flat_->twin(i);
   position_ = flat_->corner(i) + fraction * side(i);
+  positioned_ = true;
   entry_ = SidePoint{};
   if (twin == kNone) {
     if (options_.boundary == BoundaryRule::Stop) return stop(StopReason::Boundary);
@@ -342,6 +424,8 @@ bool Integrator<Flow>::leaveVertex(int corner) {
   const TriangleMesh& mesh = charts.mesh();
   const Index v = flat_->vertex(corner);
   position_ = flat_->corner(corner);
+  positioned_ = true;
+  entry_ = SidePoint{};
   slide_ = kNoSide;
   if (timeLeft() <= 0.0) return true;
   const Complex velocity = flow_.vertexVelocity(v, cursor_, time());
