@@ -21,7 +21,7 @@ from stormfield.readers.t_file import read_t
 
 DATA = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "gasEngineV.t"
 SEEDS, LENGTH = 2000, 100.0  # number, arc length in mean edges
-VTK_SEEDS = 400  # of these; VTK's rate does not depend on their number
+VTK_SEEDS = 400  # of these, the first
 
 
 def timed(work, repeats):

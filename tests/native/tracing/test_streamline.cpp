@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "surfaces.h"
+#include "tracing/integrator.h"
 
 namespace stormfield {
 namespace {
@@ -256,6 +257,23 @@ TEST(Streamline, SameForAnyNumberOfThreads) {
   for (std::size_t i = 0; i < one.points.size(); ++i) {
     EXPECT_EQ(one.points[i].face, many.points[i].face);
     EXPECT_EQ(one.points[i].barycentric, many.points[i].barycentric);
+  }
+}
+
+TEST(Streamline, SideBySideAsAlone) {
+  const auto charts = surfaces::torus(30, 16, 0.4, 0.2);
+  const FlatFaces faces(charts);
+  const VectorField field = surfaces::swirlField(charts);
+  const auto seeds = surfaces::randomSeeds(charts->mesh(), 200, 5);
+  const TraceOptions options{.maximalTime = 1.0, .minimalSpeed = 0.0};
+  const auto together = traceStreamlineEnds(faces, field, seeds, options);
+  Integrator<SteadyFlow> integrator(faces, SteadyFlow(field.values.data(), 1.0), options, 0.0);
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    const TraceEnd alone = integrator.run(seeds[i], 0.0, options.maximalTime, [](const SurfacePoint&, double) {});
+    EXPECT_EQ(alone.point.face, together[i].point.face);
+    EXPECT_EQ(alone.point.barycentric, together[i].point.barycentric);
+    EXPECT_EQ(alone.length, together[i].length);
+    EXPECT_EQ(alone.crossings, together[i].crossings);
   }
 }
 
