@@ -40,7 +40,7 @@ struct MorseSet {
   /// Sum of the Poincare indices of its faces: b0 - b1 + b2, except at the boundary of the surface, where it is that
   /// less grazings for an exact index, and nothing is known for an upper bound.
   int poincare = 0;
-  int grazings = 0;         ///< exit_set.h; 0 except at the boundary of the surface
+  int grazings = 0;  ///< exit_set.h; 0 except at the boundary of the surface
   /// Least epsilon at which it merges with another set (persistence.h), mesh units per second; infinite where it never
   /// does or none was asked for.
   double persistence = std::numeric_limits<double>::infinity();
