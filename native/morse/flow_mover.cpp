@@ -1,5 +1,7 @@
 #include "morse/flow_mover.h"
 
+#include <tbb/parallel_for.h>
+
 #include <cmath>
 
 #include "base/message.h"
@@ -18,6 +20,10 @@ constexpr double kTurnOfStep = 0.8;
 /// A trace that so many steps take nowhere (barycentric) is at rest: it has come to a sink, as near as numbers can.
 constexpr unsigned kRestSteps = 64;
 constexpr double kRest = 1e-8;
+
+double rateOf(Direction direction) {
+  return direction == Direction::Backward ? -1.0 : 1.0;
+}
 
 template <typename Flow>
 class FlowMover final : public Mover {
@@ -114,7 +120,12 @@ TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit,
   TraceOptions options;
   options.tolerance = tolerance;
   checkOptions(options);
-  if (unit == TauUnit::Length) slowSpeeds_ = slowSpeeds(field);
+  if (unit == TauUnit::Length) {
+    slowSpeeds_ = slowSpeeds(field);
+  } else {
+    along_ = prepareFaces(Direction::Forward);
+    against_ = prepareFaces(Direction::Backward);
+  }
   measureFaces();
   for (Index h = 0; h < mesh().halfedgeCount(); ++h) {
     flowsOut_[h] = mesh().twin(h) == kNone && crossedOutwards(faces, field, h);
@@ -150,13 +161,23 @@ void TauFlow::measureFaces() {
   stepTau_ = kTurnOfStep * mesh().totalArea() / sum;
 }
 
+std::vector<FaceFlow> TauFlow::prepareFaces(Direction direction) const {
+  const SteadyFlow flow(field_->values.data(), rateOf(direction));
+  std::vector<FaceFlow> prepared(mesh().faceCount());
+  tbb::parallel_for(Index{0}, mesh().faceCount(),
+                    [&](Index f) { prepared[f] = FaceFlow((*faces_)[f], flow.vertexValues((*faces_)[f])); });
+  return prepared;
+}
+
 std::unique_ptr<Mover> TauFlow::mover(Direction direction, const Progress* progress) const {
-  const double rate = direction == Direction::Backward ? -1.0 : 1.0;
+  const double rate = rateOf(direction);
   TraceOptions options;
   options.direction = direction;
   options.tolerance = tolerance_;
   if (unit_ == TauUnit::Time) {
-    return std::make_unique<FlowMover<SteadyFlow>>(*faces_, SteadyFlow(field_->values.data(), rate), options, progress);
+    const auto& prepared = direction == Direction::Backward ? against_ : along_;
+    return std::make_unique<FlowMover<SteadyFlow>>(*faces_, SteadyFlow(field_->values.data(), rate, prepared.data()),
+                                                   options, progress);
   }
   return std::make_unique<FlowMover<UnitSpeedFlow>>(
       *faces_, UnitSpeedFlow(field_->values.data(), slowSpeeds_.data(), rate), options, progress);

@@ -6,6 +6,7 @@
 
 #include "base/progress.h"
 #include "morse/tau_map.h"
+#include "tracing/face_flow.h"
 #include "tracing/trace.h"
 
 namespace stormfield {
@@ -53,13 +54,16 @@ class TauFlow {
   double stepTau() const { return stepTau_; }
 
  private:
+  void measureFaces();
+  std::vector<FaceFlow> prepareFaces(Direction direction) const;
+
   const FlatFaces* faces_;
   const VectorField* field_;
   TauUnit unit_;
   double tolerance_, stepTau_;
   std::vector<double> slowSpeeds_, growth_, bending_;
-  void measureFaces();
   std::vector<char> flowsOut_;
+  std::vector<FaceFlow> along_, against_;  ///< per face, for movers in time
 };
 
 }  // namespace stormfield

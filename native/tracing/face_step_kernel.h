@@ -100,7 +100,10 @@ class FaceStepKernel {
   void meetSides();
   void settle();
   F bend();
-  FloatPair correction(const FloatPair& p) const;
+  /// At one point of each particle's face, or (Point wider than F) at several points of the one particle's face.
+  template <typename Point>
+  Point correction(const Point& p) const;
+  void correctionsAtNodes(const FloatPair* p, FloatPair* c) const;
   Pair at(const D& t) const;
 
   // Barycentric coordinates of all three corners.
@@ -147,27 +150,46 @@ class FaceStepKernel {
 
 /// By how much the true field exceeds its affine part.
 template <int Bytes, int Count>
-auto FaceStepKernel<Bytes, Count>::correction(const FloatPair& p) const -> FloatPair {
-  const F b[3] = {third(p), p.x, p.y};
-  FloatPair sum = {F(), F()};
+template <typename Point>
+auto FaceStepKernel<Bytes, Count>::correction(const Point& p) const -> Point {
+  using G = std::remove_const_t<decltype(p.x)>;
+  const auto all = [](float a) { return Lanes<sizeof(G)>::all(a); };
+  const G b[3] = {1.0F - p.x - p.y, p.x, p.y};
+  Point sum = {G(), G()};
   for (int i = 0; i < 3; ++i) {
     const int next = (i + 1) % 3, previous = (i + 2) % 3;
     // Of the line from the corner, in the frame of its bisector.
-    const F alongNext = b[next] * sides_[i], alongPrevious = b[previous] * sides_[previous];
-    const F x = alongNext + alongPrevious, y = tanHalf_[i] * (alongPrevious - alongNext);
-    const F t = y / larger(x + squareRoot(x * x + y * y), L::all(1e-30F));
-    const F bounded = smaller(larger(t, L::all(-0.84F)), L::all(0.84F));
-    const F q = bounded * bounded, qq = q * q;
+    const G alongNext = b[next] * sides_[i], alongPrevious = b[previous] * sides_[previous];
+    const G x = alongNext + alongPrevious, y = tanHalf_[i] * (alongPrevious - alongNext);
+    const G t = y / larger(x + squareRoot(x * x + y * y), all(1e-30F));
+    const G bounded = smaller(larger(t, all(-0.84F)), all(0.84F));
+    const G q = bounded * bounded, qq = q * q;
     // Minimax polynomial of the arc tangent up to 40 degrees, Taylor polynomials of sine and cosine up to 0.8.
-    const F arcTangent = bounded * ((0.999995058F - q * 0.333120346F) +
+    const G arcTangent = bounded * ((0.999995058F - q * 0.333120346F) +
                                     qq * ((0.197340058F - q * 0.12811836F) + qq * (0.0682753295F - q * 0.0192904742F)));
-    const F angle = doubleTwist_[i] * arcTangent, s = angle * angle, ss = s * s;
-    const F cosineLess1 = s * ((s * (1.0F / 24) - 1.0F / 2) + ss * (s * (1.0F / 40320) - 1.0F / 720));
-    const F sine = angle * ((1.0F - s * (1.0F / 6)) + ss * (1.0F / 120 - s * (1.0F / 5040)));
+    const G angle = doubleTwist_[i] * arcTangent, s = angle * angle, ss = s * s;
+    const G cosineLess1 = s * ((s * (1.0F / 24) - 1.0F / 2) + ss * (s * (1.0F / 40320) - 1.0F / 720));
+    const G sine = angle * ((1.0F - s * (1.0F / 6)) + ss * (1.0F / 120 - s * (1.0F / 5040)));
     sum.x = sum.x + b[i] * (floatRate_[i].x * cosineLess1 + turned_[i].x * sine);
     sum.y = sum.y + b[i] * (floatRate_[i].y * cosineLess1 + turned_[i].y * sine);
   }
   return sum;
+}
+
+/// A single particle has all its nodes side by side.
+template <int Bytes, int Count>
+void FaceStepKernel<Bytes, Count>::correctionsAtNodes(const FloatPair* p, FloatPair* c) const {
+#if defined(__SSE2__)
+  if constexpr (Bytes == 4) {
+    struct {
+      Floats16 x, y;
+    } nodes = {{p[0].x, p[1].x, p[2].x, p[3].x}, {p[0].y, p[1].y, p[2].y, p[3].y}};
+    nodes = correction(nodes);
+    for (int i = 0; i < kNodes; ++i) c[i] = {nodes.x[i], nodes.y[i]};
+    return;
+  }
+#endif
+  for (int i = 0; i < kNodes; ++i) c[i] = correction(p[i]);
 }
 
 template <int Bytes, int Count>
@@ -297,9 +319,10 @@ auto FaceStepKernel<Bytes, Count>::bend() -> F {
     FloatPair p = floatSeries_[kOrder];
     for (int k = kOrder; k-- > 0;) p = {p.x * t + floatSeries_[k].x, p.y * t + floatSeries_[k].y};
     node_[i] = p;
-    const FloatPair c = correction(p);
-    bent_[i] = {c.x - constant_.x, c.y - constant_.y};
   }
+  FloatPair seen[kNodes];
+  correctionsAtNodes(node_, seen);
+  for (int i = 0; i < kNodes; ++i) bent_[i] = {seen[i].x - constant_.x, seen[i].y - constant_.y};
   // How many times nearer to a corner the path begins or ends than it is long.
   const FloatPair from = floatSeries_[0], to = toFloatPair(end_);
   const auto distance = [](const FloatPair& p) { return 1.0F - larger(larger(p.x, p.y), third(p)); };
@@ -326,7 +349,7 @@ auto FaceStepKernel<Bytes, Count>::bend() -> F {
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const auto again = missing > 0.1F * tolerance_;
     if (!isAny(again)) break;
-    FloatPair next[kNodes], rate[kNodes];
+    FloatPair next[kNodes], rate[kNodes], displaced[kNodes];
     for (int i = 0; i < kNodes; ++i) {
       const FloatPair turn = jacobian(moved[i]);
       rate[i] = {bent_[i].x + turn.x, bent_[i].y + turn.y};
@@ -335,8 +358,11 @@ auto FaceStepKernel<Bytes, Count>::bend() -> F {
     for (int i = 0; i < kNodes; ++i) {
       const FloatPair d = displacement(rate, i);
       moved[i] = {select(again, d.x, moved[i].x), select(again, d.y, moved[i].y)};
-      const FloatPair c = correction({node_[i].x + moved[i].x, node_[i].y + moved[i].y});
-      next[i] = {c.x - constant_.x, c.y - constant_.y};
+      displaced[i] = {node_[i].x + moved[i].x, node_[i].y + moved[i].y};
+    }
+    correctionsAtNodes(displaced, seen);
+    for (int i = 0; i < kNodes; ++i) {
+      next[i] = {seen[i].x - constant_.x, seen[i].y - constant_.y};
       change = larger(change, absolute(next[i].x - bent_[i].x) + absolute(next[i].y - bent_[i].y));
     }
     for (int i = 0; i < kNodes; ++i) {
