@@ -244,8 +244,9 @@ def _legend(figure: Any, graph: EntityGraph, lines: bool = False, sets: bool = F
         handles.append(Line2D([], [], color=KIND_COLOURS[kind], linewidth=width, label=label))
 
     if sets:
-        named = {kind: SETS.get(kind, f"{kind} set") for kind in KIND_COLOURS if kind in kinds}
-        handles += [Patch(color=_pale(kind), label=label) for kind, label in named.items()]
+        # Kinds of one colour share a label: sources and repelling orbits are both repelling sets.
+        named = {SETS.get(kind, f"{kind} set"): kind for kind in KIND_COLOURS if kind in kinds}
+        handles += [Patch(color=_pale(kind), label=label) for label, kind in named.items()]
     else:
         for kind in POINTS:
             if any(entity.kind == kind and entity.curve is None for entity in graph.entities):

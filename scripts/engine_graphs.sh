@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# The picture of a data set's ECG beside its MCG in the README, docs/pictures/graphs.png:
+#   scripts/engine_graphs.sh gasEngineV.t
+set -euo pipefail
+data=$(realpath "$1")
+cd "$(dirname "$0")/.."
+pictures=$(mktemp -d)
+trap 'rm -rf "$pictures"' EXIT
+.venv/bin/stormfield analyze "$data" --json - --image "$pictures/ecg.png" > "$pictures/ecg.json"
+.venv/bin/stormfield morse "$data" --method tau --refine --json - --image "$pictures/mcg.png" > "$pictures/mcg.json"
+convert "$pictures/ecg.png" "$pictures/mcg.png" -resize 1600x -append -colors 250 docs/pictures/graphs.png
