@@ -59,7 +59,7 @@ test-python: all
 
 bench: all
 	cmake --preset bench
-	cmake --build --preset bench -j $(JOBS)
+	cmake --build --preset bench -j $(JOBS) --target bench_native
 	build/bench/tests/native/bench_native
 	$(PYTHON) -m pytest -p no:cacheprovider --rootdir tests/benchmarks -s tests/benchmarks
 
