@@ -10,6 +10,9 @@ PYTHON := .venv/bin/python
 # Clones in different places share what ccache holds.
 export CCACHE_BASEDIR := $(CURDIR)
 export CCACHE_NOHASHDIR := 1
+# The packages of an extra of pyproject.toml.
+extra = $$(python3 -c "import re; \
+  print(*re.findall(r'\"([^\"]+)\"', re.search(r'^$(1) = \[(.*)\]', open('pyproject.toml').read(), re.M).group(1)))")
 ENVIRONMENTS = $(shell scripts/environments.sh list)
 
 core_sources := $(shell find native cmake CMakeLists.txt CMakePresets.json -type f)
@@ -57,7 +60,11 @@ test-python: all
 	  $$environment/bin/python -m pytest tests; \
 	done
 
-bench: all
+build/.bench: build/.environments pyproject.toml
+	$(PYTHON) -m pip install --quiet $(call extra,bench)
+	@touch $@
+
+bench: all build/.bench
 	cmake --preset bench
 	cmake --build --preset bench -j $(JOBS) --target bench_native
 	build/bench/tests/native/bench_native
@@ -66,8 +73,7 @@ bench: all
 build/.lint: pyproject.toml
 	@mkdir -p build
 	python3 -m venv .venv-lint
-	.venv-lint/bin/python -m pip install --quiet $$(python3 -c "import re; \
-	  print(*re.findall(r'\"([^\"]+)\"', re.search(r'^lint = \[(.*)\]', open('pyproject.toml').read(), re.M).group(1)))")
+	.venv-lint/bin/python -m pip install --quiet $(call extra,lint)
 	@touch $@
 
 lint: build/.packages build/.lint
