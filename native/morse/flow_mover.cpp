@@ -1,7 +1,5 @@
 #include "morse/flow_mover.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 
 #include "base/message.h"
@@ -123,8 +121,8 @@ TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit,
   if (unit == TauUnit::Length) {
     slowSpeeds_ = slowSpeeds(field);
   } else {
-    along_ = prepareFaces(Direction::Forward);
-    against_ = prepareFaces(Direction::Backward);
+    along_ = prepareFaces(faces, SteadyFlow(field.values.data(), rateOf(Direction::Forward)));
+    against_ = prepareFaces(faces, SteadyFlow(field.values.data(), rateOf(Direction::Backward)));
   }
   measureFaces();
   for (Index h = 0; h < mesh().halfedgeCount(); ++h) {
@@ -161,14 +159,6 @@ void TauFlow::measureFaces() {
   stepTau_ = kTurnOfStep * mesh().totalArea() / sum;
 }
 
-std::vector<FaceFlow> TauFlow::prepareFaces(Direction direction) const {
-  const SteadyFlow flow(field_->values.data(), rateOf(direction));
-  std::vector<FaceFlow> prepared(mesh().faceCount());
-  tbb::parallel_for(Index{0}, mesh().faceCount(),
-                    [&](Index f) { prepared[f] = FaceFlow((*faces_)[f], flow.vertexValues((*faces_)[f])); });
-  return prepared;
-}
-
 std::unique_ptr<Mover> TauFlow::mover(Direction direction, const Progress* progress) const {
   const double rate = rateOf(direction);
   TraceOptions options;
@@ -176,7 +166,7 @@ std::unique_ptr<Mover> TauFlow::mover(Direction direction, const Progress* progr
   options.tolerance = tolerance_;
   if (unit_ == TauUnit::Time) {
     const auto& prepared = direction == Direction::Backward ? against_ : along_;
-    return std::make_unique<FlowMover<SteadyFlow>>(*faces_, SteadyFlow(field_->values.data(), rate, prepared.data()),
+    return std::make_unique<FlowMover<SteadyFlow>>(*faces_, SteadyFlow(field_->values.data(), rate, prepared.get()),
                                                    options, progress);
   }
   return std::make_unique<FlowMover<UnitSpeedFlow>>(

@@ -55,7 +55,6 @@ class TauFlow {
 
  private:
   void measureFaces();
-  std::vector<FaceFlow> prepareFaces(Direction direction) const;
 
   const FlatFaces* faces_;
   const VectorField* field_;
@@ -63,7 +62,7 @@ class TauFlow {
   double tolerance_, stepTau_;
   std::vector<double> slowSpeeds_, growth_, bending_;
   std::vector<char> flowsOut_;
-  std::vector<FaceFlow> along_, against_;  ///< per face, for movers in time
+  std::unique_ptr<FaceFlow[]> along_, against_;  ///< per face, for movers in time
 };
 
 }  // namespace stormfield

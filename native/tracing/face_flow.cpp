@@ -1,10 +1,13 @@
 #include "tracing/face_flow.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 #include "tracing/flat_faces.h"
+#include "tracing/flow.h"
 
 namespace stormfield {
 
@@ -45,6 +48,13 @@ FaceFlow::FaceFlow(const FlatFace& face, const std::array<Complex, 3>& values) {
     r[0] *= unit;
     r[1] *= unit;
   }
+}
+
+std::unique_ptr<FaceFlow[]> prepareFaces(const FlatFaces& faces, const SteadyFlow& flow) {
+  const Index count = faces.mesh().faceCount();
+  auto prepared = std::make_unique_for_overwrite<FaceFlow[]>(count);
+  tbb::parallel_for(Index{0}, count, [&](Index f) { prepared[f] = FaceFlow(faces[f], flow.vertexValues(faces[f])); });
+  return prepared;
 }
 
 }  // namespace stormfield

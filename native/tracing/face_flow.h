@@ -7,12 +7,15 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "base/types.h"
 
 namespace stormfield {
 
 class FlatFace;
+class FlatFaces;
+class SteadyFlow;
 
 struct alignas(64) FaceFlow {
   double rate[3][2];    ///< of the corners' carried vectors
@@ -27,5 +30,8 @@ struct alignas(64) FaceFlow {
   FaceFlow(const FlatFace& face, const std::array<Complex, 3>& values);
 };
 static_assert(sizeof(FaceFlow) == 128);
+
+/// Of all faces, for many traces: what SteadyFlow takes as prepared.
+std::unique_ptr<FaceFlow[]> prepareFaces(const FlatFaces& faces, const SteadyFlow& flow);
 
 }  // namespace stormfield

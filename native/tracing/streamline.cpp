@@ -40,10 +40,7 @@ class Streamlines {
     const double rate = options.direction == Direction::Backward ? -1.0 : 1.0;
     const Index faceCount = faces.mesh().faceCount();
     if (seeds.size() * kWorthPreparing >= static_cast<std::size_t>(faceCount)) {
-      prepared_ = std::make_unique_for_overwrite<FaceFlow[]>(faceCount);
-      const SteadyFlow flow(field.values.data(), rate);
-      tbb::parallel_for(Index{0}, faceCount,
-                        [&](Index f) { prepared_[f] = FaceFlow(faces[f], flow.vertexValues(faces[f])); });
+      prepared_ = prepareFaces(faces, SteadyFlow(field.values.data(), rate));
     }
     const SteadyFlow flow(field.values.data(), rate, prepared_.get());
     prototype_.emplace(faces, flow, options, options.minimalSpeed * fastest(field));
