@@ -2,44 +2,52 @@
 // trace is the same as one that Integrator::run follows alone.
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "tracing/integrator.h"
 
 namespace stormfield {
 
-/// Traces the seeds first <= i < last. Tells the visitor begin(lane, i), step(lane, integrator) after every step, and
-/// end(lane, i, TraceEnd). Traces of one lane come one after the other.
-template <typename Flow, typename Visitor>
-void traceSideBySide(const Integrator<Flow>& prototype, const std::vector<SurfacePoint>& seeds, double maximalTime,
-                     std::size_t first, std::size_t last, Visitor& visitor) {
-  constexpr int kLanes = FaceSteps::kCount;
+/// Traces what the work hands out, until it has no more. The ends of traces may make more of it. Asked of the work are
+///   bool next(int lane, SurfacePoint& seed, double& maximalTime)   whether there is a trace for the lane
+///   bool step(int lane, const Integrator<Flow>& integrator)        after every step: whether to go on
+///   void end(int lane, const TraceEnd& end)
+/// Traces of one lane come one after the other.
+template <typename Flow, typename Work>
+void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
   struct Lane {
     Integrator<Flow> integrator;
-    std::size_t trace;
     bool busy, waiting;  ///< has a trace; its step is set
   };
-  std::vector<Lane> lanes(std::min<std::size_t>(kLanes, last - first), Lane{prototype, 0, false, false});
+  std::vector<Lane> lanes(FaceSteps::kCount, Lane{prototype, false, false});
   FaceSteps steps;
-  std::size_t next = first;
 
-  // Until its next step is set, or no seed is left.
+  const auto end = [&](Lane& lane, int i, bool wanted) {
+    TraceEnd traceEnd = lane.integrator.end();
+    if (!wanted) traceEnd.reason = StopReason::Visitor;
+    lane.busy = false;
+    work.end(i, traceEnd);
+  };
+  // Until its next step is set, or nothing is left to do.
   const auto prepare = [&](Lane& lane, int i) {
-    bool going = lane.busy;
+    bool going = lane.busy, wanted = true;
     while (true) {
-      while (going) {
+      while (going && wanted) {
         if (lane.integrator.isOver()) break;
         if (lane.integrator.ask(steps, i)) {
           lane.waiting = true;
           return;
         }
         going = lane.integrator.takeSmallStep();
-        visitor.step(i, lane.integrator);
+        wanted = work.step(i, lane.integrator);
       }
-      if (lane.busy) visitor.end(i, lane.trace, lane.integrator.end());
-      lane.busy = next < last;
-      if (!lane.busy) return;
-      lane.trace = next++;
-      visitor.begin(i, lane.trace);
-      going = lane.integrator.begin(seeds[lane.trace], 0.0, maximalTime);
+      if (lane.busy) end(lane, i, wanted);
+      SurfacePoint seed;
+      double maximalTime = 0.0;
+      if (!work.next(i, seed, maximalTime)) return;
+      lane.busy = wanted = true;
+      going = lane.integrator.begin(seed, 0.0, maximalTime);
     }
   };
   const auto finish = [&](Lane& lane, int i) {
@@ -49,11 +57,8 @@ void traceSideBySide(const Integrator<Flow>& prototype, const std::vector<Surfac
     lane.waiting = false;
     const bool plain = outcome == FaceSteps::Outcome::Done && lane.integrator.fits(step);
     const bool going = plain ? lane.integrator.take(step) : lane.integrator.takeSmallStep();
-    visitor.step(i, lane.integrator);
-    if (!going) {
-      visitor.end(i, lane.trace, lane.integrator.end());
-      lane.busy = false;
-    }
+    const bool wanted = work.step(i, lane.integrator);
+    if (!going || !wanted) end(lane, i, wanted);
   };
 
   for (bool any = true; any;) {
@@ -68,6 +73,36 @@ void traceSideBySide(const Integrator<Flow>& prototype, const std::vector<Surfac
       if (lanes[i].waiting) finish(lanes[i], static_cast<int>(i));
     }
   }
+}
+
+/// Traces the seeds first <= i < last. Tells the visitor begin(lane, i), step(lane, integrator) after every step, and
+/// end(lane, i, TraceEnd).
+template <typename Flow, typename Visitor>
+void traceSideBySide(const Integrator<Flow>& prototype, const std::vector<SurfacePoint>& seeds, double maximalTime,
+                     std::size_t first, std::size_t last, Visitor& visitor) {
+  struct Seeds {
+    const std::vector<SurfacePoint>& seeds;
+    double maximalTime;
+    std::size_t at, last;
+    Visitor& visitor;
+    std::array<std::size_t, FaceSteps::kCount> traces{};
+
+    bool next(int lane, SurfacePoint& seed, double& time) {
+      if (at == last) return false;
+      traces[lane] = at++;
+      visitor.begin(lane, traces[lane]);
+      seed = seeds[traces[lane]];
+      time = maximalTime;
+      return true;
+    }
+    bool step(int lane, const Integrator<Flow>& integrator) {
+      visitor.step(lane, integrator);
+      return true;
+    }
+    void end(int lane, const TraceEnd& traceEnd) { visitor.end(lane, traces[lane], traceEnd); }
+  };
+  Seeds work{seeds, maximalTime, first, last, visitor};
+  traceSideBySide(prototype, work);
 }
 
 }  // namespace stormfield
