@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stormfield {
 namespace {
@@ -40,47 +41,205 @@ EdgeImageMaker::EdgeImageMaker(const TauFlow& flow, double tau, int steps, const
       backward_(flow.mover(Direction::Backward, progress)),
       near_(flow.faces()) {}
 
-const EdgeImage& EdgeImageMaker::make(Index edge, const std::vector<Arrival>& tail, const std::vector<Arrival>& head) {
-  halfedge_ = flow_->mesh().edgeHalfedge(edge);
-  samples_ = 0;
-  image_.faces.clear();
-  image_.leaves = false;
-  interval({0.0, 1, tail.front(), &tail}, {1.0, 1, head.front(), &head}, 1, 0, 0.0);
-  std::sort(image_.faces.begin(), image_.faces.end());
-  image_.faces.erase(std::unique(image_.faces.begin(), image_.faces.end()), image_.faces.end());
-  return image_;
+void EdgeImageMaker::make(std::span<const EdgeToMap> edges, const Keep& keep) {
+  edges_ = edges;
+  keep_ = &keep;
+  started_ = 0;
+  alone_ = false;
+  forward_->moveAll(*this);
+  // Which of too many samples an image goes without depends on their order: these edges do not share the lanes.
+  alone_ = true;
+  std::sort(crowded_.begin(), crowded_.end());
+  for (const std::size_t number : crowded_) {
+    start(number);
+    forward_->moveAll(*this);
+  }
+  crowded_.clear();
 }
 
-SurfacePoint EdgeImageMaker::pointAt(double s) const {
-  SurfacePoint p{TriangleMesh::face(halfedge_)};
-  const int i = TriangleMesh::corner(halfedge_);
+/// The moves that are asked for, and when there are none, those of another edge.
+bool EdgeImageMaker::next(int lane, SurfacePoint& from, double& tau) {
+  while (moves_.empty() && started_ < edges_.size()) start(started_++);
+  if (moves_.empty()) return false;
+  const Move& move = moving_[lane] = moves_.back();
+  moves_.pop_back();
+  const Edge& edge = slots_[move.edge];
+  const Sample& sample = edge.samples[move.sample];
+  from = sample.place == kNowhere ? pointAt(edge, sample.s) : edge.places[sample.place].at.point;
+  tau = tau_ * move.steps / steps_;
+  return true;
+}
+
+void EdgeImageMaker::arrive(int lane, const Arrival& at) {
+  const auto [slot, sample, steps] = moving_[lane];
+  addPlace(slots_[slot], sample, at, steps);
+  slots_[slot].samples[sample].underWay = false;
+  for (const int interval : std::exchange(slots_[slot].samples[sample].waiting, {kNowhere, kNowhere})) {
+    if (interval != kNowhere) proceed(slot, interval);
+  }
+  if (slots_[slot].open == 0) finish(slot);
+}
+
+void EdgeImageMaker::start(std::size_t number) {
+  if (free_.empty()) {
+    free_.push_back(slots_.size());
+    slots_.emplace_back();
+  }
+  const std::size_t slot = free_.back();
+  free_.pop_back();
+  Edge& edge = slots_[slot];
+  edge.number = number;
+  edge.halfedge = flow_->mesh().edgeHalfedge(edges_[number].edge);
+  edge.image.faces.clear();
+  edge.image.leaves = edge.crowded = false;
+  edge.samples.clear();
+  edge.places.clear();
+  edge.intervals.clear();
+  const int tail = addKnown(edge, 0.0, edges_[number].tail), head = addKnown(edge, 1.0, edges_[number].head);
+  open(slot, {0, tail}, {1, head}, 1, 0, 0.0);
+}
+
+void EdgeImageMaker::finish(std::size_t slot) {
+  Edge& edge = slots_[slot];
+  free_.push_back(slot);
+  if (edge.crowded) {
+    crowded_.push_back(edge.number);
+    return;
+  }
+  std::vector<Index>& faces = edge.image.faces;
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  (*keep_)(edge.number, edge.image);
+}
+
+/// A sample that needs no tracing for the first steps; its place after the first one.
+int EdgeImageMaker::addKnown(Edge& edge, double s, std::span<const Arrival> arrivals) {
+  const int sample = static_cast<int>(edge.samples.size()), first = static_cast<int>(edge.places.size());
+  edge.samples.push_back({s});
+  for (const Arrival& at : arrivals) addPlace(edge, sample, at, 1);
+  edge.image.leaves |= arrivals.front().left;
+  return first;
+}
+
+void EdgeImageMaker::addPlace(Edge& edge, int sample, const Arrival& at, int steps) {
+  const int place = static_cast<int>(edge.places.size());
+  Sample& of = edge.samples[sample];
+  if (of.place != kNowhere) edge.places[of.place].next = place;
+  of.place = place;
+  of.step += steps;
+  edge.places.push_back({at});
+}
+
+/// The interval between two samples, from a step on.
+void EdgeImageMaker::open(std::size_t slot, Stop a, Stop b, int step, int level, double away) {
+  Edge& edge = slots_[slot];
+  const int middle = static_cast<int>(edge.samples.size()), interval = static_cast<int>(edge.intervals.size());
+  edge.samples.push_back({0.5 * (edge.samples[a.sample].s + edge.samples[b.sample].s)});
+  edge.intervals.push_back({{a, {middle, kNowhere}, b}, {false, true, false}, step, level, away});
+  ++edge.open;
+  ++traces_;
+  gather(slot, interval);
+}
+
+/// Follows the image of an interval until it is enclosed at the end or out of sight, is halved, or has to wait.
+void EdgeImageMaker::proceed(std::size_t slot, int number) {
+  Edge& edge = slots_[slot];
+  while (edge.crowded || gather(slot, number)) {
+    Interval& interval = edge.intervals[number];
+    const Verdict verdict = edge.crowded ? Verdict::Done : judge(edge, interval);
+    if (verdict == Verdict::Goes) {
+      ++interval.step;
+      interval.behind.fill(true);
+      continue;
+    }
+    if (verdict == Verdict::Halve) halve(slot, Interval(interval));
+    --edge.open;
+    return;
+  }
+}
+
+/// Brings the stops to the interval's step; false where it has to wait for one.
+bool EdgeImageMaker::gather(std::size_t slot, int number) {
+  Edge& edge = slots_[slot];
+  Interval& interval = edge.intervals[number];
+  bool all = true;
+  for (int i = 0; i < 3; ++i) {
+    if (!interval.behind[i]) continue;
+    auto& [index, place] = interval.stops[i];
+    Sample& sample = edge.samples[index];
+    if (place != kNowhere && edge.places[place].next == kNowhere && edge.places[place].at.left) {
+      addPlace(edge, index, Arrival(edge.places[place].at), 1);
+    }
+    const int next = place == kNowhere ? sample.place : edge.places[place].next;
+    if (next != kNowhere) {
+      place = next;
+      interval.behind[i] = false;
+      edge.image.leaves |= edge.places[next].at.left;
+      continue;
+    }
+    all = false;
+    if (!sample.underWay) moves_.push_back({slot, index, interval.step - sample.step});
+    sample.underWay = true;
+    auto& [one, other] = sample.waiting;
+    if (one != number && other != number) (one == kNowhere ? one : other) = number;
+  }
+  return all;
+}
+
+void EdgeImageMaker::halve(std::size_t slot, const Interval& interval) {
+  Edge& edge = slots_[slot];
+  const auto& [a, middle, b] = interval.stops;
+  const bool full = edge.samples.size() >= kMostSamples;
+  if (full && !alone_) {
+    edge.crowded = true;
+  } else if (full || interval.level == kDeepest) {
+    bridge(edge, a, middle, interval.step);
+    bridge(edge, middle, b, interval.step);
+  } else {
+    open(slot, a, middle, interval.step, interval.level + 1, kLeft * interval.away);
+    open(slot, middle, b, interval.step, interval.level + 1, kLeft * interval.away);
+  }
+}
+
+SurfacePoint EdgeImageMaker::pointAt(const Edge& edge, double s) const {
+  SurfacePoint p{TriangleMesh::face(edge.halfedge)};
+  const int i = TriangleMesh::corner(edge.halfedge);
   p.barycentric[i] = 1.0 - s;
   p.barycentric[(i + 1) % 3] = s;
   return p;
 }
 
-EdgeImageMaker::Sample EdgeImageMaker::sample(double s) {
-  ++traces_;
-  ++samples_;
-  return {s, 0, {pointAt(s), false}};
-}
-
-void EdgeImageMaker::advance(Sample& sample, int step) {
-  if (sample.step >= step) return;
-  if (sample.known != nullptr && static_cast<int>(sample.known->size()) >= step) {
-    sample.at = (*sample.known)[step - 1];
-  } else if (!sample.at.left) {
-    sample.at = forward_->move(sample.at.point, tau_ * (step - sample.step) / steps_);
+/// Whether the image of an interval is enclosed at its step.
+EdgeImageMaker::Verdict EdgeImageMaker::judge(Edge& edge, Interval& interval) {
+  const auto at = [&](int i) -> const Arrival& { return edge.places[interval.stops[i].place].at; };
+  const Arrival &a = at(0), &middle = at(1), &b = at(2);
+  double& away = interval.away;
+  if (a.left && middle.left && b.left && interval.level >= kDeepestOutside) return Verdict::Done;
+  const Shape shape = shapeOf(a, middle, b);
+  if (!shape.comparable()) {
+    away = -1.0;
+    return Verdict::Halve;
   }
-  sample.step = step;
-  image_.leaves |= sample.at.left;
+  if (away < 0.0) away = kUnseen * shape.longest;
+  if (!interval.first || interval.level == 0) away = grown(away, a, middle, b, shape.longest);
+  interval.first = false;
+  away = std::max(away, shape.apart + shape.spread);
+  const bool last = interval.step == steps_;
+  const double flat = last ? kFlat : kFlatOnTheWay;
+  if (away > flat * shape.size || shape.longest > kLongest * shape.size) return Verdict::Halve;
+  if (!last && windows_ == nullptr) return Verdict::Goes;
+  collect(a, middle, b, shape, kPadding * away + kChordPadding * shape.longest + kLeastPadding * shape.size);
+  if (!staysInSight(interval.step)) return Verdict::Done;
+  if (!last) return Verdict::Goes;
+  keep(edge);
+  return Verdict::Done;
 }
 
 /// How far an image that was so far from its chords may be after the next step: the flow draws it apart, and bends the
 /// chords where they are in more than one face.
-double EdgeImageMaker::grown(double away, const Sample& a, const Sample& middle, const Sample& b,
+double EdgeImageMaker::grown(double away, const Arrival& a, const Arrival& middle, const Arrival& b,
                              double longest) const {
-  const Index f = middle.at.point.face, left = a.at.point.face, right = b.at.point.face;
+  const Index f = middle.point.face, left = a.point.face, right = b.point.face;
   const double step = tau_ / steps_;
   const double growth = std::max({flow_->growth(f), flow_->growth(left), flow_->growth(right)});
   const double bending = std::max({flow_->bending(f), flow_->bending(left), flow_->bending(right)});
@@ -90,42 +249,9 @@ double EdgeImageMaker::grown(double away, const Sample& a, const Sample& middle,
   return windows_ == nullptr ? grown : std::min(grown, kMostInSet * longest);
 }
 
-/// Follows the image of an interval of the edge from a step on, until it is enclosed at the end or out of sight.
-/// away: by how much the image may leave the chords then.
-void EdgeImageMaker::interval(Sample a, Sample b, int step, int level, double away) {
-  Sample middle = sample(0.5 * (a.s + b.s));
-  bool first = true;
-  for (;; ++step) {
-    for (Sample* s : {&a, &middle, &b}) advance(*s, step);
-    if (a.at.left && middle.at.left && b.at.left && level >= kDeepestOutside) return;
-    const Shape shape = shapeOf(a, middle, b);
-    if (!shape.comparable()) {
-      away = -1.0;
-      break;
-    }
-    if (away < 0.0) away = kUnseen * shape.longest;
-    if (!first || level == 0) away = grown(away, a, middle, b, shape.longest);
-    first = false;
-    away = std::max(away, shape.apart + shape.spread);
-    const bool last = step == steps_;
-    if (away > (last ? kFlat : kFlatOnTheWay) * shape.size || shape.longest > kLongest * shape.size) break;
-    if (!last && windows_ == nullptr) continue;
-    collect(a, middle, b, shape, kPadding * away + kChordPadding * shape.longest + kLeastPadding * shape.size);
-    if (!staysInSight(step)) return;
-    if (last) return keep();
-  }
-  if (level == kDeepest || samples_ >= kMostSamples) {
-    bridge(a, middle);
-    bridge(middle, b);
-    return;
-  }
-  interval(a, middle, step, level + 1, kLeft * away);
-  interval(middle, b, step, level + 1, kLeft * away);
-}
-
-EdgeImageMaker::Shape EdgeImageMaker::shapeOf(const Sample& a, const Sample& middle, const Sample& b) const {
+EdgeImageMaker::Shape EdgeImageMaker::shapeOf(const Arrival& a, const Arrival& middle, const Arrival& b) const {
   const FlatFaces& faces = flow_->faces();
-  const SurfacePoint &pointA = a.at.point, &point = middle.at.point, &pointB = b.at.point;
+  const SurfacePoint &pointA = a.point, &point = middle.point, &pointB = b.point;
   Shape shape{{faces, point.face, pointA.face}, {faces, point.face, pointB.face}};
   if (!shape.comparable()) return shape;
   shape.at = faces[point.face].point(point.barycentric);
@@ -146,25 +272,25 @@ EdgeImageMaker::Shape EdgeImageMaker::shapeOf(const Sample& a, const Sample& mid
 }
 
 /// Collects the faces near the chords from the middle to the two ends. What has left the surface counts where it left.
-void EdgeImageMaker::collect(const Sample& a, const Sample& middle, const Sample& b, const Shape& shape,
+void EdgeImageMaker::collect(const Arrival& a, const Arrival& middle, const Arrival& b, const Shape& shape,
                              double padding) {
   met_.clear();
   meetsExit_ = false;
   const auto onBoundary = [&](Index h) { meetsExit_ |= flow_->flowsOut(h); };
-  const auto chords = [&](const Sample& end, const Unfoldings& ways, Complex inEnd) {
-    if (end.at.left && middle.at.left) return;
-    met_.push_back(end.at.point.face);
+  const auto chords = [&](const Arrival& end, const Unfoldings& ways, Complex inEnd) {
+    if (end.left && middle.left) return;
+    met_.push_back(end.point.face);
     for (int i = 0; i < ways.count(); ++i) {
-      near_.collect(middle.at.point.face, shape.at, ways[i](inEnd), padding, met_, onBoundary);
+      near_.collect(middle.point.face, shape.at, ways[i](inEnd), padding, met_, onBoundary);
     }
   };
   chords(a, shape.toA, shape.inA);
   chords(b, shape.toB, shape.inB);
 }
 
-void EdgeImageMaker::keep() {
-  image_.leaves |= meetsExit_;
-  image_.faces.insert(image_.faces.end(), met_.begin(), met_.end());
+void EdgeImageMaker::keep(Edge& edge) {
+  edge.image.leaves |= meetsExit_;
+  edge.image.faces.insert(edge.image.faces.end(), met_.begin(), met_.end());
 }
 
 bool EdgeImageMaker::staysInSight(int step) const {
@@ -173,31 +299,35 @@ bool EdgeImageMaker::staysInSight(int step) const {
 }
 
 /// Between two samples as close as can be, whose images are apart.
-void EdgeImageMaker::bridge(const Sample& from, const Sample& to) {
-  Sample a = from, b = to;
-  advance(a, steps_);
-  advance(b, steps_);
-  if (a.at.left && b.at.left) return;
+void EdgeImageMaker::bridge(Edge& edge, const Stop& from, const Stop& to, int step) {
+  const auto atTheEnd = [&](const Stop& stop) {
+    Arrival at = edge.places[stop.place].at;
+    if (!at.left && step < steps_) at = forward_->move(at.point, tau_ * (steps_ - step) / steps_);
+    edge.image.leaves |= at.left;
+    return at;
+  };
+  const Arrival a = atTheEnd(from), b = atTheEnd(to);
+  if (a.left && b.left) return;
   const Shape shape = shapeOf(a, a, b);
   if (shape.comparable() && shape.longest <= kFlat * shape.size) {
     collect(a, a, b, shape, shape.longest);
-    keep();
-  } else if (a.at.left || b.at.left) {
-    addTorn(a.at.left ? b : a);
+    keep(edge);
+  } else if (a.left || b.left) {
+    addTorn(edge, edge.samples[a.left ? to.sample : from.sample].s);
   } else {
-    addParting(a, b);
+    addParting(edge, edge.samples[from.sample].s, edge.samples[to.sample].s);
   }
 }
 
 /// One sample left, its neighbour only touches the boundary: between them runs the neighbour's own trajectory, as far
 /// as it goes through the two faces of the edge before and after the sample.
-void EdgeImageMaker::addTorn(const Sample& staying) {
+void EdgeImageMaker::addTorn(Edge& edge, double staying) {
   const TriangleMesh& mesh = flow_->mesh();
-  const Index twin = mesh.twin(halfedge_);
+  const Index h = edge.halfedge, twin = mesh.twin(h);
   const auto beside = [&](const Passage& p) {
-    return p.point.face == TriangleMesh::face(halfedge_) || (twin != kNone && p.point.face == TriangleMesh::face(twin));
+    return p.point.face == TriangleMesh::face(h) || (twin != kNone && p.point.face == TriangleMesh::face(twin));
   };
-  const SurfacePoint from = pointAt(staying.s);
+  const SurfacePoint from = pointAt(edge, staying);
   const auto stay = [&](Mover& mover) {
     double longest = 0.0;
     for (const Passage& p : mover.way(from, tau_)) {
@@ -208,18 +338,18 @@ void EdgeImageMaker::addTorn(const Sample& staying) {
   };
   const double before = stay(*backward_), after = stay(*forward_);
   for (const Passage& p : forward_->way(from, tau_ + after)) {
-    if (p.tau >= tau_ - before) image_.faces.push_back(p.point.face);
+    if (p.tau >= tau_ - before) edge.image.faces.push_back(p.point.face);
   }
 }
 
 /// Both stay, on trajectories that part on the way: between their ends lies what they met after that.
-void EdgeImageMaker::addParting(const Sample& a, const Sample& b) {
-  const std::vector<Passage> wayA = forward_->way(pointAt(a.s), tau_), wayB = forward_->way(pointAt(b.s), tau_);
+void EdgeImageMaker::addParting(Edge& edge, double a, double b) {
+  const auto wayA = forward_->way(pointAt(edge, a), tau_), wayB = forward_->way(pointAt(edge, b), tau_);
   std::size_t common = 0;
   while (common < std::min(wayA.size(), wayB.size()) && wayA[common].point.face == wayB[common].point.face) ++common;
   for (const auto* way : {&wayA, &wayB}) {
     for (std::size_t i = common == 0 ? 0 : common - 1; i < way->size(); ++i) {
-      image_.faces.push_back((*way)[i].point.face);
+      edge.image.faces.push_back((*way)[i].point.face);
     }
   }
 }

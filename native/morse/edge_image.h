@@ -1,6 +1,6 @@
-// The faces that the image of a mesh edge under the flow meets: adaptive sampling of the edge (thesis 7.1.1).
+// The faces that the images of mesh edges under the flow meet: adaptive sampling of the edges (thesis 7.1.1).
 //
-// An interval of the edge is halved until the images of its two ends and its middle are in the same or in neighbouring
+// An interval of an edge is halved until the images of its two ends and its middle are in the same or in neighbouring
 // faces and nearly in line, at the end and on the way there, in steps that the field changes little in: a piece that
 // the flow draws out and folds back would not be seen at the end. Between samples the image follows the chords. How far
 // it may leave them is estimated along with it: it grows at the rate at which the flow draws vectors out, is fed where
@@ -11,10 +11,14 @@
 //
 // Inside a Morse set an image is followed in steps, and only as long as it comes back to the set (set_windows.h): what
 // a step takes away from it is not sampled further.
+//
+// The samples of many edges are traced side by side. An image does not depend on the others.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "morse/flow_mover.h"
@@ -29,25 +33,69 @@ struct EdgeImage {
   bool leaves = false;       ///< some of it may have left the surface
 };
 
-/// Makes edge images one after the other, at one tau; one maker per thread.
-class EdgeImageMaker {
+/// An edge, and the arrivals of the ends of its canonical halfedge after the first steps, one at least.
+struct EdgeToMap {
+  Index edge;
+  std::span<const Arrival> tail, head;
+};
+
+/// Makes edge images at one tau; one maker per thread.
+class EdgeImageMaker final : private Moves {
  public:
+  /// Told the place of an edge in the list, and its image, which is valid during the call.
+  using Keep = std::function<void(std::size_t, const EdgeImage&)>;
+
   /// windows: of the set that images are followed in, or null. It must outlive the maker.
   EdgeImageMaker(const TauFlow& flow, double tau, int steps, const SetWindows* windows, const Progress* progress);
 
-  /// tail and head are the arrivals of the ends of the edge's canonical halfedge after the first steps, one at least.
-  /// The reference is valid until the next call.
-  const EdgeImage& make(Index edge, const std::vector<Arrival>& tail, const std::vector<Arrival>& head);
+  /// Keeps the image of every edge, in any order.
+  void make(std::span<const EdgeToMap> edges, const Keep& keep);
   /// Traces so far.
   std::size_t traces() const { return traces_; }
 
  private:
-  /// A point of the edge on its way, as far as it was followed.
-  struct Sample {
-    double s;  ///< along the edge, from 0 to 1
-    int step;  ///< so many steps of tau were followed
+  static constexpr int kNowhere = -1;
+
+  /// Where a point of the edge has come to after a step, and, once it is known, after the next.
+  struct Place {
     Arrival at;
-    const std::vector<Arrival>* known = nullptr;  ///< first steps that need no tracing
+    int next = kNowhere;
+  };
+  /// A point of the edge.
+  struct Sample {
+    double s;                                        ///< along the edge, from 0 to 1
+    int step = 0;                                    ///< so many steps of tau were followed
+    int place = kNowhere;                            ///< after them
+    bool underWay = false;                           ///< to its next place
+    std::array<int, 2> waiting{kNowhere, kNowhere};  ///< intervals that wait for it
+  };
+  struct Stop {
+    int sample, place;
+  };
+  /// Two samples and one in the middle.
+  struct Interval {
+    std::array<Stop, 3> stops;
+    std::array<bool, 3> behind;  ///< whether a stop is that before the step
+    int step, level;
+    double away;  ///< by how much the image may leave the chords
+    bool first = true;
+  };
+  /// An edge whose image is being made.
+  struct Edge {
+    std::size_t number = 0;  ///< in the list
+    Index halfedge = kNone;
+    EdgeImage image;
+    std::vector<Sample> samples;
+    std::vector<Place> places;
+    std::vector<Interval> intervals;
+    std::size_t open = 0;  ///< intervals that are not done
+    bool crowded = false;
+  };
+  /// The next step of a sample, or the first ones.
+  struct Move {
+    std::size_t edge;
+    int sample;
+    int steps;
   };
   /// How the images of an interval's ends and middle lie.
   struct Shape {
@@ -60,19 +108,31 @@ class EdgeImageMaker {
 
     bool comparable() const { return toA.count() > 0 && toB.count() > 0; }
   };
+  enum class Verdict { Goes, Done, Halve };
 
-  SurfacePoint pointAt(double s) const;
-  Sample sample(double s);
-  void advance(Sample& sample, int step);
-  void interval(Sample a, Sample b, int step, int level, double away);
-  double grown(double away, const Sample& a, const Sample& middle, const Sample& b, double longest) const;
-  Shape shapeOf(const Sample& a, const Sample& middle, const Sample& b) const;
-  void collect(const Sample& a, const Sample& middle, const Sample& b, const Shape& shape, double padding);
-  void keep();
+  bool next(int lane, SurfacePoint& from, double& tau) override;
+  void arrive(int lane, const Arrival& at) override;
+
+  void start(std::size_t number);
+  void finish(std::size_t slot);
+  int addKnown(Edge& edge, double s, std::span<const Arrival> arrivals);
+  void addPlace(Edge& edge, int sample, const Arrival& at, int steps);
+  void open(std::size_t slot, Stop a, Stop b, int step, int level, double away);
+  void proceed(std::size_t slot, int number);
+  bool gather(std::size_t slot, int number);
+  void halve(std::size_t slot, const Interval& interval);
+
+  Verdict judge(Edge& edge, Interval& interval);
+  double grown(double away, const Arrival& a, const Arrival& middle, const Arrival& b, double longest) const;
+  Shape shapeOf(const Arrival& a, const Arrival& middle, const Arrival& b) const;
+  void collect(const Arrival& a, const Arrival& middle, const Arrival& b, const Shape& shape, double padding);
+  void keep(Edge& edge);
   bool staysInSight(int step) const;
-  void bridge(const Sample& a, const Sample& b);
-  void addTorn(const Sample& staying);
-  void addParting(const Sample& a, const Sample& b);
+
+  SurfacePoint pointAt(const Edge& edge, double s) const;
+  void bridge(Edge& edge, const Stop& from, const Stop& to, int step);
+  void addTorn(Edge& edge, double staying);
+  void addParting(Edge& edge, double a, double b);
 
   const TauFlow* flow_;
   double tau_;
@@ -80,11 +140,18 @@ class EdgeImageMaker {
   int steps_;
   std::unique_ptr<Mover> forward_, backward_;
   NearFaces near_;
-  Index halfedge_ = kNone;
-  EdgeImage image_;
+  std::span<const EdgeToMap> edges_;
+  const Keep* keep_ = nullptr;
+  std::size_t started_ = 0;
+  bool alone_ = false;                ///< the edge at hand is the only one
+  std::vector<Edge> slots_;           ///< edges under way, and those that were
+  std::vector<std::size_t> free_;     ///< slots
+  std::vector<std::size_t> crowded_;  ///< numbers
+  std::vector<Move> moves_;
+  std::array<Move, kLanes> moving_{};
   std::vector<Index> met_;  ///< by one interval
   bool meetsExit_ = false;
-  std::size_t traces_ = 0, samples_ = 0;  ///< in all, and of the edge at hand
+  std::size_t traces_ = 0;
 };
 
 }  // namespace stormfield

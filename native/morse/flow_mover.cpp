@@ -1,10 +1,12 @@
 #include "morse/flow_mover.h"
 
+#include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "base/message.h"
 #include "morse/unit_speed_flow.h"
-#include "tracing/integrator.h"
+#include "tracing/side_by_side.h"
 
 namespace stormfield {
 namespace {
@@ -23,6 +25,43 @@ double rateOf(Direction direction) {
   return direction == Direction::Backward ? -1.0 : 1.0;
 }
 
+/// A trace on its way: in stretches of many steps, as long as they get on, for it may be stuck in a face that is almost
+/// a line.
+class Journey {
+ public:
+  Journey() = default;
+  Journey(const SurfacePoint& from, double tau) : from_(from), before_(from), tau_(tau) {}
+
+  const SurfacePoint& from() const { return from_; }
+  double done() const { return done_; }
+  double left() const { return tau_ - done_; }
+  /// To be told of every step; here() is the point.
+  template <typename Here>
+  bool rests(const Here& here) {
+    if (++steps_ % kRestSteps != 0) return false;
+    const SurfacePoint p = here();
+    const bool rest = p.face == before_.face && (p.barycentric - before_.barycentric).cwiseAbs().maxCoeff() < kRest;
+    before_ = p;
+    return rest;
+  }
+  /// After a stretch: whether another one follows, from its end.
+  bool goesOn(const TraceEnd& end) {
+    if (end.reason != StopReason::StepLimit || !(end.time > kStuck * tau_)) return false;
+    from_ = end.point;
+    done_ += end.time;
+    return true;
+  }
+
+ private:
+  SurfacePoint from_, before_;
+  double tau_ = 0.0, done_ = 0.0;
+  unsigned steps_ = 0;
+};
+
+Arrival arrival(const TraceEnd& end) {
+  return {end.point, end.reason == StopReason::Boundary};
+}
+
 template <typename Flow>
 class FlowMover final : public Mover {
  public:
@@ -33,6 +72,17 @@ class FlowMover final : public Mover {
     return follow(from, tau, [](const SurfacePoint&, double) {});
   }
 
+  void moveAll(Moves& moves) override {
+    if constexpr (std::is_same_v<Flow, SteadyFlow>) {
+      SideBySide work{*this, moves, {}, {}};
+      traceSideBySide(integrator_, work);
+    } else {
+      SurfacePoint from;
+      double tau = 0.0;
+      while (moves.next(0, from, tau)) moves.arrive(0, move(from, tau));
+    }
+  }
+
   std::vector<Passage> way(const SurfacePoint& from, double tau) override {
     std::vector<Passage> passages;
     follow(from, tau, [&](const SurfacePoint& p, double time) { passages.push_back({p, time}); });
@@ -40,31 +90,47 @@ class FlowMover final : public Mover {
   }
 
  private:
-  /// In stretches of many steps, as long as they get on: a trace may be stuck in a face that is almost a line.
   template <typename Visit>
-  Arrival follow(SurfacePoint from, double tau, const Visit& visit) {
-    double done = 0.0;
-    SurfacePoint before = from;
-    unsigned steps = 0;
-    const auto rests = [&](const SurfacePoint& p) {
-      if (++steps % kRestSteps != 0) return false;
-      const bool rest = p.face == before.face && (p.barycentric - before.barycentric).cwiseAbs().maxCoeff() < kRest;
-      before = p;
-      return rest;
-    };
+  Arrival follow(const SurfacePoint& from, double tau, const Visit& visit) {
+    Journey journey(from, tau);
     while (true) {
-      const TraceEnd end = integrator_.run(from, 0.0, tau - done, [&](const SurfacePoint& p, double time) {
-        look();
-        visit(p, done + time);
-        return !rests(p);
-      });
-      if (end.reason != StopReason::StepLimit || !(end.time > kStuck * tau)) {
-        return {end.point, end.reason == StopReason::Boundary};
-      }
-      from = end.point;
-      done += end.time;
+      const TraceEnd end =
+          integrator_.run(journey.from(), 0.0, journey.left(), [&](const SurfacePoint& p, double time) {
+            look();
+            visit(p, journey.done() + time);
+            return !journey.rests([&] { return p; });
+          });
+      if (!journey.goesOn(end)) return arrival(end);
     }
   }
+
+  struct SideBySide {
+    FlowMover& mover;
+    Moves& moves;
+    std::array<Journey, Moves::kLanes> journeys;
+    std::array<bool, Moves::kLanes> goesOn;
+
+    bool next(int lane, SurfacePoint& seed, double& maximalTime) {
+      Journey& journey = journeys[lane];
+      if (!goesOn[lane]) {
+        double tau = 0.0;
+        if (!moves.next(lane, seed, tau)) return false;
+        journey = Journey(seed, tau);
+      }
+      seed = journey.from();
+      maximalTime = journey.left();
+      journey.rests([&] { return seed; });
+      return true;
+    }
+    bool step(int lane, const Integrator<Flow>& integrator) {
+      mover.look();
+      return !journeys[lane].rests([&] { return integrator.here(); });
+    }
+    void end(int lane, const TraceEnd& traceEnd) {
+      goesOn[lane] = journeys[lane].goesOn(traceEnd);
+      if (!goesOn[lane]) moves.arrive(lane, arrival(traceEnd));
+    }
+  };
 
   void look() {
     if (progress_ != nullptr && (++steps_ & 1023) == 0) progress_->check();

@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "morse/tau_map.h"
 #include "tracing/face_flow.h"
+#include "tracing/face_path.h"
 #include "tracing/trace.h"
 
 namespace stormfield {
@@ -23,11 +24,25 @@ struct Passage {
   double tau;
 };
 
-/// Moves one point at a time; one mover per thread.
+/// Points to move, for Mover::moveAll: what arrives may ask for more of them. Of one lane they come one after the
+/// other.
+class Moves {
+ public:
+  static constexpr int kLanes = FaceSteps::kCount;
+
+  virtual ~Moves() = default;
+  /// The lane's next point and how far to move it; false where there is none now.
+  virtual bool next(int lane, SurfacePoint& from, double& tau) = 0;
+  virtual void arrive(int lane, const Arrival& at) = 0;
+};
+
+/// Moves points along the flow, alone or several side by side, to the same bits; one mover per thread.
 class Mover {
  public:
   virtual ~Mover() = default;
   virtual Arrival move(const SurfacePoint& from, double tau) = 0;
+  /// Until there are no more.
+  virtual void moveAll(Moves& moves) = 0;
   /// All points where the trajectory enters a face or a step of the integrator ends, from the first to the last.
   virtual std::vector<Passage> way(const SurfacePoint& from, double tau) = 0;
 };

@@ -4,9 +4,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <numeric>
+#include <span>
+#include <utility>
 
 #include "base/message.h"
 #include "morse/edge_image.h"
@@ -20,30 +23,31 @@ constexpr std::size_t kPiece = 128;
 /// Lists of faces, one after the other, in pieces that are filled in parallel.
 class PiecewiseLists {
  public:
-  explicit PiecewiseLists(std::size_t count) : ends_(count, 0), pieces_((count + kPiece - 1) / kPiece) {}
+  explicit PiecewiseLists(std::size_t count) : lists_(count), pieces_((count + kPiece - 1) / kPiece) {}
 
   std::size_t pieceCount() const { return pieces_.size(); }
   std::size_t begin(std::size_t piece) const { return piece * kPiece; }
-  std::size_t end(std::size_t piece) const { return std::min(ends_.size(), (piece + 1) * kPiece); }
+  std::size_t end(std::size_t piece) const { return std::min(lists_.size(), (piece + 1) * kPiece); }
 
-  /// Lists are appended in order within a piece.
+  /// Each list once, in any order within a piece.
   void append(std::size_t i, const std::vector<Index>& list) {
     auto& piece = pieces_[i / kPiece];
+    lists_[i] = {static_cast<std::uint32_t>(piece.size()), static_cast<std::uint32_t>(list.size())};
     piece.insert(piece.end(), list.begin(), list.end());
-    ends_[i] = static_cast<std::uint32_t>(piece.size());
   }
   void finish(std::size_t piece) { pieces_[piece].shrink_to_fit(); }
 
-  const Index* listBegin(std::size_t i) const {
-    return pieces_[i / kPiece].data() + (i % kPiece == 0 ? 0 : ends_[i - 1]);
+  std::span<const Index> list(std::size_t i) const {
+    return {pieces_[i / kPiece].data() + lists_[i].begin, lists_[i].size};
   }
-  const Index* listEnd(std::size_t i) const { return pieces_[i / kPiece].data() + ends_[i]; }
-  std::size_t size(std::size_t i) const { return static_cast<std::size_t>(listEnd(i) - listBegin(i)); }
   std::size_t pieceBytes(std::size_t piece) const { return sizeof(Index) * pieces_[piece].size(); }
   void release(std::size_t piece) { std::vector<Index>().swap(pieces_[piece]); }
 
  private:
-  std::vector<std::uint32_t> ends_;
+  struct List {
+    std::uint32_t begin, size;
+  };
+  std::vector<List> lists_;
   std::vector<std::vector<Index>> pieces_;
 };
 
@@ -88,6 +92,46 @@ class Budget {
   std::atomic<std::size_t> used_{0}, peak_{0};
 };
 
+/// Follows points in equal steps, side by side, each as long as it is wanted. Asked for: start(i), the first point;
+/// keep(i, k, arrival), told where it is after k steps, whether to go on.
+template <typename Start, typename Keep>
+class StepwiseMoves final : public Moves {
+ public:
+  StepwiseMoves(std::size_t first, std::size_t last, double step, Start start, Keep keep)
+      : next_(first), last_(last), step_(step), start_(std::move(start)), keep_(std::move(keep)) {}
+
+  bool next(int lane, SurfacePoint& from, double& tau) override {
+    auto& [point, place, steps] = points_[lane];
+    if (steps == 0) {
+      if (next_ == last_) return false;
+      place = next_++;
+      point = start_(place);
+    }
+    from = point;
+    tau = step_;
+    return true;
+  }
+  void arrive(int lane, const Arrival& at) override {
+    auto& [point, place, steps] = points_[lane];
+    bool going = keep_(place, ++steps, at);
+    while (going && at.left) going = keep_(place, ++steps, at);
+    point = at.point;
+    if (!going) steps = 0;
+  }
+
+ private:
+  struct Point {
+    SurfacePoint point;
+    std::size_t place = 0;
+    int steps = 0;
+  };
+  std::size_t next_, last_;
+  double step_;
+  Start start_;
+  Keep keep_;
+  std::array<Point, kLanes> points_;
+};
+
 constexpr double kMostSteps = 64.0;
 
 /// Images are followed in steps that the field changes little in.
@@ -117,6 +161,8 @@ class RowMaker {
     PiecewiseLists images(edges_.elements().size());
     leaves_.assign(edges_.elements().size(), 0);
     mapEdges(images);
+    findOrigins(images);
+    if (windows_ != nullptr) listInside();
     TauRows rows = joinRows(images);
     if (work != nullptr) {
       work->traces += traces_;
@@ -126,7 +172,7 @@ class RowMaker {
   }
 
  private:
-  static constexpr Index kUnknown = -2, kOutside = -1;
+  static constexpr Index kUnknown = -3, kAsked = -2, kOutside = -1;
 
   /// Done items of all phases, as a fraction of what all together are about to be.
   void advance(std::size_t items) {
@@ -149,65 +195,111 @@ class RowMaker {
     budget_.take(vertices_.bytes() + edges_.bytes());
   }
 
-  /// body(i, mover) for i in [0, count), in pieces.
-  template <typename Body>
-  void eachTrace(std::size_t count, Direction direction, const Body& body) {
+  /// Follows vertices in steps: start and keep as in StepwiseMoves.
+  template <typename Start, typename Keep>
+  void follow(std::size_t count, Direction direction, int steps, const Start& start, const Keep& keep) {
     tbb::parallel_for(std::size_t{0}, (count + kPiece - 1) / kPiece, [&](std::size_t piece) {
-      const auto mover = flow_.mover(direction, progress_);
       const std::size_t end = std::min(count, (piece + 1) * kPiece);
-      for (std::size_t i = piece * kPiece; i < end; ++i) body(i, *mover);
-      advance(end - piece * kPiece);
+      StepwiseMoves moves(piece * kPiece, end, tau_ / steps, start, keep);
+      flow_.mover(direction, progress_)->moveAll(moves);
+      if (direction == Direction::Forward) advance(end - piece * kPiece);
     });
     traces_ += count;
   }
 
   void mapVertices() {
-    arrivals_.resize(vertices_.elements().size() * steps_);
-    known_.resize(vertices_.elements().size());
+    const std::vector<Index>& vertices = vertices_.elements();
+    arrivals_.resize(vertices.size() * steps_);
+    known_.assign(vertices.size(), 0);
     budget_.take(sizeof(Arrival) * arrivals_.size());
-    eachTrace(vertices_.elements().size(), Direction::Forward, [&](std::size_t i, Mover& mover) {
-      Arrival at{vertexPoint(mesh_, vertices_.elements()[i])};
-      int& known = known_[i] = 0;
-      while (known < steps_ && (known == 0 || isInSight(known, at))) {
-        if (!at.left) at = mover.move(at.point, tau_ / steps_);
-        arrivals_[i * steps_ + known++] = at;
-      }
-    });
+    follow(
+        vertices.size(), Direction::Forward, steps_, [&](std::size_t i) { return vertexPoint(mesh_, vertices[i]); },
+        [&](std::size_t i, int step, const Arrival& at) {
+          arrivals_[i * steps_ + step - 1] = at;
+          known_[i] = step;
+          return step < steps_ && isInSight(step, at);
+        });
   }
 
   bool isInSight(int step, const Arrival& at) const {
     return windows_ == nullptr || windows_->holds(step, at.point.face);
   }
 
-  void copyArrivals(Index v, std::vector<Arrival>& arrivals) const {
-    const auto first = arrivals_.begin() + static_cast<std::ptrdiff_t>(vertices_.slot(v)) * steps_;
-    arrivals.assign(first, first + known_[vertices_.slot(v)]);
+  std::span<const Arrival> arrivalsOf(Index v) const {
+    const Index slot = vertices_.slot(v);
+    return {arrivals_.data() + static_cast<std::size_t>(slot) * steps_, static_cast<std::size_t>(known_[slot])};
   }
 
   void mapEdges(PiecewiseLists& images) {
     tbb::parallel_for(std::size_t{0}, images.pieceCount(), [&](std::size_t piece) {
-      EdgeImageMaker maker(flow_, tau_, steps_, windows_, progress_);
-      std::vector<Arrival> tail, head;
-      for (std::size_t i = images.begin(piece); i < images.end(piece); ++i) {
+      const std::size_t begin = images.begin(piece), end = images.end(piece);
+      std::vector<EdgeToMap> edges;
+      for (std::size_t i = begin; i < end; ++i) {
         const Index edge = edges_.elements()[i], h = mesh_.edgeHalfedge(edge);
-        copyArrivals(mesh_.tail(h), tail);
-        copyArrivals(mesh_.head(h), head);
-        const EdgeImage& image = maker.make(edge, tail, head);
-        images.append(i, image.faces);
-        leaves_[i] = image.leaves;
+        edges.push_back({edge, arrivalsOf(mesh_.tail(h)), arrivalsOf(mesh_.head(h))});
       }
+      EdgeImageMaker maker(flow_, tau_, steps_, windows_, progress_);
+      maker.make(edges, [&](std::size_t i, const EdgeImage& image) {
+        images.append(begin + i, image.faces);
+        leaves_[begin + i] = image.leaves;
+      });
       images.finish(piece);
       budget_.take(images.pieceBytes(piece));
       traces_ += maker.traces();
-      advance(2 * (images.end(piece) - images.begin(piece)));
+      advance(2 * (end - begin));
     });
     budget_.giveBack(sizeof(Arrival) * arrivals_.size());
     std::vector<Arrival>().swap(arrivals_);
   }
 
+  /// Which face the flow takes vertices from, kOutside for those that enter the surface on the way: the vertices of the
+  /// faces that edges meet, inside a Morse set those of the set (an image may hold some of it while its boundary is out
+  /// of sight), and the neighbours of those that come from faces whose rows are made.
+  void findOrigins(const PiecewiseLists& images) {
+    origins_.assign(mesh_.vertexCount(), kUnknown);
+    budget_.take(sizeof(Index) * origins_.size());
+    std::vector<Index> asked, next;
+    const auto ask = [this](std::vector<Index>& list, Index v) {
+      if (origins_[v] != kUnknown) return;
+      origins_[v] = kAsked;
+      list.push_back(v);
+    };
+    for (std::size_t i = 0; i < edges_.elements().size(); ++i) {
+      for (const Index f : images.list(i)) {
+        for (int k = 0; k < 3; ++k) ask(asked, mesh_.vertex(f, k));
+      }
+    }
+    if (windows_ != nullptr) {
+      for (const Index v : vertices_.elements()) ask(asked, v);
+    }
+    while (!asked.empty()) {
+      std::sort(asked.begin(), asked.end());
+      traceBack(asked);
+      next.clear();
+      for (const Index v : asked) {
+        if (!std::binary_search(faces_.begin(), faces_.end(), origins_[v])) continue;
+        for (Index h = mesh_.outgoing(v); h != kNone; h = mesh_.nextOutgoing(h)) {
+          ask(next, mesh_.head(h));
+          ask(next, mesh_.tail(TriangleMesh::prev(h)));
+        }
+      }
+      asked.swap(next);
+    }
+  }
+
+  void traceBack(const std::vector<Index>& vertices) {
+    const int steps = windows_ == nullptr ? 1 : steps_;
+    follow(
+        vertices.size(), Direction::Backward, steps, [&](std::size_t i) { return vertexPoint(mesh_, vertices[i]); },
+        [&](std::size_t i, int step, const Arrival& at) {
+          const bool inSight = !at.left && (step == steps || isInSight(steps - step, at));
+          origins_[vertices[i]] = inSight ? at.point.face : kOutside;
+          return inSight && step < steps;
+        });
+  }
+
   /// What one thread needs to fill images.
   struct Scratch {
-    std::unique_ptr<Mover> backward;
     std::vector<Index> row, stack;
     std::vector<std::uint32_t> stamps;  ///< per vertex: the last row that met it
     std::uint32_t stamp = 0;
@@ -220,7 +312,8 @@ class RowMaker {
     bool leaves = false;
     for (int k = 0; k < 3; ++k) {
       const Index slot = edges_.slot(mesh_.edge(TriangleMesh::halfedge(face, k)));
-      row.insert(row.end(), images.listBegin(slot), images.listEnd(slot));
+      const auto image = images.list(slot);
+      row.insert(row.end(), image.begin(), image.end());
       leaves |= leaves_[slot] != 0;
     }
     sortOnce(row);
@@ -236,39 +329,13 @@ class RowMaker {
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
 
-  /// The face that the flow takes a vertex from, kOutside when it enters the surface on the way. Asked for when needed,
-  /// and kept: several threads may find the same answer.
-  Index origin(Index v, Scratch& scratch) {
-    Index known = origins_[v].load(std::memory_order_relaxed);
-    if (known != kUnknown) return known;
-    ++traces_;
-    Arrival from{vertexPoint(mesh_, v)};
-    bool inSight = true;
-    const int steps = windows_ == nullptr ? 1 : steps_;
-    for (int k = steps; k-- > 0 && inSight;) {
-      from = scratch.backward->move(from.point, tau_ / steps);
-      inSight = !from.left && (k == 0 || isInSight(k, from));
-    }
-    known = inSight ? from.point.face : kOutside;
-    origins_[v].store(known, std::memory_order_relaxed);
-    return known;
-  }
-
   /// A vertex of the set and the face that the flow takes it from.
   struct Inside {
     Index origin, vertex;
   };
 
-  /// Of all vertices of the set: an image may hold some of it while its boundary is out of sight.
-  void findOrigins(tbb::enumerable_thread_specific<Scratch>& scratches) {
-    const std::vector<Index>& vertices = vertices_.elements();
-    tbb::parallel_for(std::size_t{0}, (vertices.size() + kPiece - 1) / kPiece, [&](std::size_t piece) {
-      Scratch& scratch = scratches.local();
-      const std::size_t end = std::min(vertices.size(), (piece + 1) * kPiece);
-      for (std::size_t i = piece * kPiece; i < end; ++i) origin(vertices[i], scratch);
-      if (progress_ != nullptr) progress_->check();
-    });
-    for (const Index v : vertices) inside_.push_back({origins_[v].load(std::memory_order_relaxed), v});
+  void listInside() {
+    for (const Index v : vertices_.elements()) inside_.push_back({origins_[v], v});
     std::sort(inside_.begin(), inside_.end(), [](const Inside& a, const Inside& b) {
       return a.origin != b.origin ? a.origin < b.origin : a.vertex < b.vertex;
     });
@@ -276,13 +343,13 @@ class RowMaker {
 
   /// Adds the faces around the vertices inside the image, whose boundary meets the faces of the row.
   void fill(Index face, Scratch& scratch) {
-    auto& [backward, row, stack, stamps, stamp] = scratch;
+    auto& [row, stack, stamps, stamp] = scratch;
     ++stamp;
     stack.clear();
     const auto meet = [&](Index v) {
       if (stamps[v] == stamp) return;
       stamps[v] = stamp;
-      if (origin(v, scratch) == face) stack.push_back(v);
+      if (origins_[v] == face) stack.push_back(v);
     };
     for (const Index f : row) {
       for (int k = 0; k < 3; ++k) meet(mesh_.vertex(f, k));
@@ -307,15 +374,10 @@ class RowMaker {
 
   TauRows joinRows(const PiecewiseLists& images) {
     PiecewiseLists rows(faces_.size());
-    origins_ = std::vector<std::atomic<Index>>(mesh_.vertexCount());
-    for (auto& known : origins_) known.store(kUnknown, std::memory_order_relaxed);
-    budget_.take(sizeof(Index) * origins_.size());
     tbb::enumerable_thread_specific<Scratch> scratches([this] {
-      budget_.take(sizeof(Index) * mesh_.vertexCount());
-      return Scratch{
-          flow_.mover(Direction::Backward, progress_), {}, {}, std::vector<std::uint32_t>(mesh_.vertexCount(), 0)};
+      budget_.take(sizeof(std::uint32_t) * mesh_.vertexCount());
+      return Scratch{{}, {}, std::vector<std::uint32_t>(mesh_.vertexCount(), 0)};
     });
-    if (windows_ != nullptr) findOrigins(scratches);
     tbb::parallel_for(std::size_t{0}, rows.pieceCount(), [&](std::size_t piece) {
       Scratch& scratch = scratches.local();
       for (std::size_t i = rows.begin(piece); i < rows.end(piece); ++i) {
@@ -329,13 +391,14 @@ class RowMaker {
     });
     TauRows result;
     result.offsets.resize(faces_.size() + 1, 0);
-    for (std::size_t i = 0; i < faces_.size(); ++i) result.offsets[i + 1] = result.offsets[i] + rows.size(i);
+    for (std::size_t i = 0; i < faces_.size(); ++i) result.offsets[i + 1] = result.offsets[i] + rows.list(i).size();
     budget_.take(sizeof(Index) * result.offsets.back());
     result.targets.resize(result.offsets.back());
     tbb::parallel_for(std::size_t{0}, rows.pieceCount(), [&](std::size_t piece) {
-      const std::size_t first = rows.begin(piece);
-      std::copy(rows.listBegin(first), rows.listEnd(rows.end(piece) - 1),
-                result.targets.begin() + static_cast<std::ptrdiff_t>(result.offsets[first]));
+      for (std::size_t i = rows.begin(piece); i < rows.end(piece); ++i) {
+        const auto row = rows.list(i);
+        std::copy(row.begin(), row.end(), result.targets.begin() + static_cast<std::ptrdiff_t>(result.offsets[i]));
+      }
       rows.release(piece);
     });
     return result;
@@ -354,7 +417,7 @@ class RowMaker {
   std::vector<int> known_;         ///< steps of each vertex that were followed
   std::vector<Inside> inside_;     ///< by origin
   std::vector<char> leaves_;
-  std::vector<std::atomic<Index>> origins_;  ///< per vertex
+  std::vector<Index> origins_;  ///< per vertex
   std::atomic<std::size_t> done_{0}, traces_{0};
   std::size_t total_;
 };
