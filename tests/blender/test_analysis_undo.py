@@ -40,6 +40,8 @@ def state():
         "markers": sorted((m.name, m.frame) for m in bpy.context.scene.timeline_markers),
         "lists": lists,
         "shown": analysis.shown,
+        "frame": bpy.context.scene.frame_current,
+        "lam": round(obj.stormfield.lam, 6),
     }
 
 
@@ -75,3 +77,38 @@ def test_operators_over_lambda(solved):
 
 def test_pathlines(solved):
     expect_undone(bpy.ops.stormfield.pathlines)
+
+
+def test_refining_one_set(ball, put_field):
+    up = np.array([0.0, 0.0, 1.0])  # turns so fast that face by face it may return everywhere
+    put_field(ball, lambda places: np.cross(up, places) - 0.1 * places[:, 2:] * (up - places * places[:, 2:]))
+    ball.stormfield.morse.method = "geometry"
+    bpy.ops.stormfield.morse_sets()
+    mcg = ball.stormfield.analysis.mcg
+    mcg.active = max(range(len(mcg.items)), key=lambda i: mcg.items[i].faces)
+    expect_undone(bpy.ops.stormfield.refine_set)
+
+
+@pytest.fixture
+def keyed_annihilation(ball, scene):
+    """A bifurcation at λ = 0.42, selected; λ runs from 0 to 1 over 101 frames, the scene stands at the first."""
+    from stormfield.analysis.tracking import Bifurcation, Tracking
+    from stormfield.convert import analysis_objects
+
+    scene.frame_start, scene.frame_end = 1, 101
+    bpy.ops.stormfield.key_lambda()
+    event = Bifurcation(0, 0.42, np.array([1.0, 0, 0]), "annihilation", "sink", ())
+    analysis_objects.show_tracking(scene, ball, Tracking((), (event,)), "sf_advection")
+    ball.stormfield.analysis.shown = "history"
+    bpy.ops.stormfield.select_entity(which="history", index=0)
+    scene.frame_set(1)
+    return scene
+
+
+def test_going_to_an_entity(keyed_annihilation):
+    expect_undone(bpy.ops.stormfield.go_to_entity)
+
+
+def test_updating_markers(keyed_annihilation):
+    keyed_annihilation.timeline_markers.clear()
+    expect_undone(bpy.ops.stormfield.update_markers)
