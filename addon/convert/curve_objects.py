@@ -35,17 +35,21 @@ def make_curves(
     curve_attributes: Mapping[str, np.ndarray] | None = None,
     parent: bpy.types.Object | None = None,
     collection: bpy.types.Collection | None = None,
+    material: bpy.types.Material | None = None,
 ) -> bpy.types.Object:
     """The Curves object of role `name` under `parent`, made or updated in place.
 
     curves: per curve (k, 3) points in the parent's object space (world space without one); cyclic curves do not repeat
     their first point. attributes: per name and curve (k,), (k, 3) or (k, 4) numbers, one per point; curve_attributes:
-    one per curve. radius: mesh units, one number or (k,) per curve. New objects are linked to `collection`, else to the
-    parent's collections, else to the scene's. Raises ValueError for an object in another mode than Object Mode.
+    one per curve. radius: mesh units, one number or (k,) per curve. New objects get `material`, and are linked to
+    `collection`, else to the parent's collections, else to the scene's. Raises ValueError for an object in another mode
+    than Object Mode.
     """
     obj = find_curves(name, parent)
     if obj is None:
         obj = _new_object(name, parent, collection)
+        if material is not None:
+            obj.data.materials.append(material)
     elif obj.mode != "OBJECT":
         raise ValueError(f"'{obj.name}' is being edited; leave {obj.mode.replace('_', ' ').title()} Mode first")
     data = obj.data

@@ -12,6 +12,7 @@ from ..convert.curve_objects import make_curves
 from ..convert.mesh_arrays import read_mesh
 from ..convert.scene import lambda_at_frames
 from ..model.errors import InputError
+from ..shading.flow_lines import flow_lines
 from .analyze import AnalysisOperator
 
 KINDS = (
@@ -140,6 +141,7 @@ class STORMFIELD_OT_pathlines(AnalysisOperator, bpy.types.Operator):
             drawing.radius,
             curve_attributes=drawing.curve_attributes,
             parent=obj,
+            material=flow_lines(),
         )
         if self.kind in BY_FRAME:
             growth.show_by_frame(curves, *self._frames)

@@ -6,6 +6,7 @@ from bpy.props import BoolProperty, FloatProperty
 from ..analysis.streamlines import Settings, streamline_steps
 from ..convert.current_field import read_current
 from ..convert.curve_objects import make_curves
+from ..shading.flow_lines import flow_lines
 from .analyze import AnalysisOperator
 
 #: Role of the Curves object under the field's mesh.
@@ -67,6 +68,7 @@ class STORMFIELD_OT_streamlines(AnalysisOperator, bpy.types.Operator):
             cyclic=drawing.closed,
             curve_attributes=drawing.curve_attributes,
             parent=obj,
+            material=flow_lines(),
         )
         if drawing.quiet_area > 0.0:
             self.report(

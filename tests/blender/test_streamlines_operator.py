@@ -82,3 +82,16 @@ def test_a_field_of_zeros_is_reported(vortex, put_field):
 
 def test_it_needs_a_field(ball):
     assert not bpy.ops.stormfield.streamlines.poll()
+
+
+def test_lines_come_pale_once_and_keep_the_artists_material(vortex):
+    bpy.ops.stormfield.streamlines(density=0.05)
+    curves = bpy.data.objects["Ball Streamlines"]
+    (pale,) = curves.data.materials
+    assert min(pale.diffuse_color[:3]) > 0.6
+    curves.data.materials[0] = bpy.data.materials.new("own")
+    bpy.ops.stormfield.streamlines(density=0.05)
+    assert [material.name for material in curves.data.materials] == ["own"]
+    curves.data.materials.clear()
+    bpy.ops.stormfield.streamlines(density=0.05)
+    assert not curves.data.materials
