@@ -5,6 +5,8 @@ shade of dark surfaces too. The viewport's Solid mode shows the same pale colour
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from .tree import new_material, srgb
@@ -18,7 +20,7 @@ def flow_lines() -> bpy.types.Material:
     if (found := bpy.data.materials.get(NAME)) is not None:
         return found
     material, tree = new_material(NAME)
-    pale = srgb(PALE)
+    pale: Any = srgb(PALE)
     material.diffuse_color = pale
     tree.surface(tree.principled(base_color=pale, roughness=0.6, emission_color=pale, emission_strength=0.25))
     return material
