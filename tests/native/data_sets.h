@@ -6,6 +6,9 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "fixtures.h"
 
@@ -30,29 +33,53 @@ inline std::optional<SampledSurface> dataSet(const std::string& name) {
   return s;
 }
 
-/// Every face cut in four at the middles of its edges, vectors in between linear.
-inline SampledSurface subdivided(const SampledSurface& coarse) {
-  const Eigen::Index vertices = coarse.surface.points.rows(), faces = coarse.surface.triangles.rows();
-  std::map<std::pair<Index, Index>, Index> middles;
-  SampledSurface fine{{Points(), Triangles(4 * faces, 3)}, Points()};
-  const auto middle = [&](Index a, Index b) {
-    return middles.try_emplace(std::minmax(a, b), static_cast<Index>(vertices + middles.size())).first->second;
+/// Every edge cut in `parts` equal pieces and every face in parts^2, vectors in between linear.
+inline SampledSurface subdivided(const SampledSurface& coarse, Index parts = 2) {
+  const auto& [points, triangles] = coarse.surface;
+  using Row = Eigen::Matrix<double, 1, 6>;  // position and vector
+  std::vector<Row> rows(points.rows());
+  for (Eigen::Index v = 0; v < points.rows(); ++v) rows[v] << points.row(v), coarse.vectors.row(v);
+  const auto add = [&](const Row& row) {
+    rows.push_back(row);
+    return static_cast<Index>(rows.size()) - 1;
   };
-  for (Eigen::Index f = 0; f < faces; ++f) {
-    const Index a = coarse.surface.triangles(f, 0), b = coarse.surface.triangles(f, 1),
-                c = coarse.surface.triangles(f, 2);
-    const Index x = middle(a, b), y = middle(b, c), z = middle(c, a);
-    fine.surface.triangles.middleRows<4>(4 * f) << a, x, z, x, b, y, z, y, c, x, y, z;
+  std::map<std::tuple<Index, Index, Index>, Index> onEdges;  // by the ends and the pieces from the first of them
+  SampledSurface fine{{Points(), Triangles(parts * parts * triangles.rows(), 3)}, Points()};
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Index a = triangles(f, 0), b = triangles(f, 1), c = triangles(f, 2);
+    const auto onEdge = [&](Index from, Index to, Index pieces) {
+      if (pieces == 0) return from;
+      if (pieces == parts) return to;
+      if (from > to) std::swap(from, to), pieces = parts - pieces;
+      const auto [place, fresh] = onEdges.try_emplace({from, to, pieces}, kNone);
+      if (fresh) place->second = add(rows[from] + static_cast<double>(pieces) / parts * (rows[to] - rows[from]));
+      return place->second;
+    };
+    std::vector<Index> inside((parts + 1) * (parts + 1), kNone);
+    // i pieces from a towards b, j towards c.
+    const auto at = [&](Index i, Index j) {
+      if (j == 0) return onEdge(a, b, i);
+      if (i == 0) return onEdge(a, c, j);
+      if (i + j == parts) return onEdge(b, c, j);
+      Index& place = inside[i * parts + j];
+      if (place == kNone)
+        place = add(rows[a] + (i * (rows[b] - rows[a]) + j * (rows[c] - rows[a])) / static_cast<double>(parts));
+      return place;
+    };
+    for (Index j = 0; j < parts; ++j) {
+      for (Index i = 0; i + j < parts; ++i) {
+        fine.surface.triangles.row(count++) << at(i, j), at(i + 1, j), at(i, j + 1);
+        if (i + j + 1 == parts) continue;
+        fine.surface.triangles.row(count++) << at(i + 1, j), at(i + 1, j + 1), at(i, j + 1);
+      }
+    }
   }
-  const Eigen::Index all = vertices + static_cast<Eigen::Index>(middles.size());
-  fine.surface.points.resize(all, 3);
-  fine.vectors.resize(all, 3);
-  fine.surface.points.topRows(vertices) = coarse.surface.points;
-  fine.vectors.topRows(vertices) = coarse.vectors;
-  for (const auto& [ends, at] : middles) {
-    const auto& [a, b] = ends;
-    fine.surface.points.row(at) = 0.5 * (coarse.surface.points.row(a) + coarse.surface.points.row(b));
-    fine.vectors.row(at) = 0.5 * (coarse.vectors.row(a) + coarse.vectors.row(b));
+  fine.surface.points.resize(static_cast<Eigen::Index>(rows.size()), 3);
+  fine.vectors.resize(static_cast<Eigen::Index>(rows.size()), 3);
+  for (std::size_t v = 0; v < rows.size(); ++v) {
+    fine.surface.points.row(static_cast<Eigen::Index>(v)) = rows[v].head<3>();
+    fine.vectors.row(static_cast<Eigen::Index>(v)) = rows[v].tail<3>();
   }
   return fine;
 }
