@@ -44,12 +44,13 @@ class FaceStepKernel {
     D x, y;
   };
 
-  static constexpr int kOrder = 8, kNodes = 4, kMoments = 5, kMostPasses = 4;
+  static constexpr int kOrder = 8, kNodes = 4, kMoments = 6, kMostPasses = 4;
   static constexpr double kPlain = 1e-6;  ///< barycentric distance from a vertex below which a path is not plain
   static constexpr float kFar = 1e30F;    ///< longer than any time
 
   // Gauss' rule with four points on [0, 1]; integrals from 0 to each of them of the cubic through four values; that
-  // cubic at 0 (and, reversed, at 1); its quadratic and cubic Legendre parts.
+  // cubic at 0 (and, reversed, at 1); its quadratic and cubic Legendre parts; integrals from 0 to the inner points of
+  // the parabola through the outer values that vanishes in the middle, for the first value and then for the last.
   static constexpr float kPoint[kNodes] = {0.0694318442F, 0.330009478F, 0.669990522F, 0.930568156F};
   static constexpr float kWeight[kNodes] = {0.173927423F, 0.326072577F, 0.326072577F, 0.173927423F};
   static constexpr float kIntegral[kNodes][kNodes] = {{0.0869637113F, -0.0266041801F, 0.0126274627F, -0.00355514969F},
@@ -57,6 +58,7 @@ class FaceStepKernel {
                                                       {0.167191922F, 0.353953006F, 0.163036289F, -0.0141906949F},
                                                       {0.177482572F, 0.313445115F, 0.352676758F, 0.0869637113F}};
   static constexpr float kAtStart[kNodes] = {1.52678813F, -0.813632449F, 0.400761520F, -0.113917196F};
+  static constexpr float kGuess[4] = {0.236339015F, 0.245171218F, -0.0204185039F, -0.0115863007F};
   static constexpr float kQuadratic[kNodes] = {0.532404142F, -0.532404142F, -0.532404142F, 0.532404142F};
   static constexpr float kCubic[kNodes] = {-0.371027003F, 0.939772470F, -0.939772470F, 0.371027003F};
 
@@ -103,7 +105,8 @@ class FaceStepKernel {
   /// At one point of each particle's face, or (Point wider than F) at several points of the one particle's face.
   template <typename Point>
   Point correction(const Point& p) const;
-  void correctionsAtNodes(const FloatPair* p, FloatPair* c) const;
+  template <int Points>
+  void correctionsAt(const FloatPair* p, FloatPair* c) const;
   Pair at(const D& t) const;
 
   // Barycentric coordinates of all three corners.
@@ -176,20 +179,22 @@ auto FaceStepKernel<Bytes, Count>::correction(const Point& p) const -> Point {
   return sum;
 }
 
-/// A single particle has all its nodes side by side.
+/// A single particle has them side by side.
 template <int Bytes, int Count>
-void FaceStepKernel<Bytes, Count>::correctionsAtNodes(const FloatPair* p, FloatPair* c) const {
+template <int Points>
+void FaceStepKernel<Bytes, Count>::correctionsAt(const FloatPair* p, FloatPair* c) const {
 #if defined(__SSE2__)
   if constexpr (Bytes == 4) {
+    constexpr int kLast = Points - 1;
     struct {
       Floats16 x, y;
-    } nodes = {{p[0].x, p[1].x, p[2].x, p[3].x}, {p[0].y, p[1].y, p[2].y, p[3].y}};
+    } nodes = {{p[0].x, p[1].x, p[kLast - 1].x, p[kLast].x}, {p[0].y, p[1].y, p[kLast - 1].y, p[kLast].y}};
     nodes = correction(nodes);
-    for (int i = 0; i < kNodes; ++i) c[i] = {nodes.x[i], nodes.y[i]};
+    for (int i = 0; i < Points; ++i) c[i] = {nodes.x[i], nodes.y[i]};
     return;
   }
 #endif
-  for (int i = 0; i < kNodes; ++i) c[i] = correction(p[i]);
+  for (int i = 0; i < Points; ++i) c[i] = correction(p[i]);
 }
 
 template <int Bytes, int Count>
@@ -320,19 +325,6 @@ auto FaceStepKernel<Bytes, Count>::bend() -> F {
     for (int k = kOrder; k-- > 0;) p = {p.x * t + floatSeries_[k].x, p.y * t + floatSeries_[k].y};
     node_[i] = p;
   }
-  FloatPair seen[kNodes];
-  correctionsAtNodes(node_, seen);
-  for (int i = 0; i < kNodes; ++i) bent_[i] = {seen[i].x - constant_.x, seen[i].y - constant_.y};
-  // How many times nearer to a corner the path begins or ends than it is long.
-  const FloatPair from = floatSeries_[0], to = toFloatPair(end_);
-  const auto distance = [](const FloatPair& p) { return 1.0F - larger(larger(p.x, p.y), third(p)); };
-  const F dx = absolute(to.x - from.x), dy = absolute(to.y - from.y);
-  const F nearest = larger(smaller(distance(from), distance(to)), L::all(1e-6F));
-  const F nearness = larger(larger(dx, dy), absolute((to.x + to.y) - (from.x + from.y))) / nearest;
-
-  // Displaced points see another correction: by its gradient, some 2 c per length, and more next to a corner.
-  FloatPair moved[kNodes];
-  F largest = L::all(0.0F);
   const auto displacement = [&](const FloatPair* rate, int i) {
     FloatPair sum = {F(), F()};
     for (int j = 0; j < kNodes; ++j) {
@@ -340,12 +332,39 @@ auto FaceStepKernel<Bytes, Count>::bend() -> F {
     }
     return FloatPair{duration * sum.x, duration * sum.y};
   };
+  // Displaced points see another correction. The bend displaces the middle of the path most: by how much, the outer
+  // points tell, for what is bent vanishes near the middle, where the constant was taken.
+  FloatPair seen[kNodes], moved[kNodes];
+  const FloatPair outer[2] = {node_[0], node_[3]};
+  correctionsAt<2>(outer, seen);
+  const FloatPair first = {seen[0].x - constant_.x, seen[0].y - constant_.y};
+  const FloatPair last = {seen[1].x - constant_.x, seen[1].y - constant_.y};
+  FloatPair guess[2], inner[2];
+  for (int i = 0; i < 2; ++i) {
+    guess[i] = {duration * (kGuess[i] * first.x + kGuess[i + 2] * last.x),
+                duration * (kGuess[i] * first.y + kGuess[i + 2] * last.y)};
+    inner[i] = {node_[i + 1].x + guess[i].x, node_[i + 1].y + guess[i].y};
+  }
+  correctionsAt<2>(inner, seen + 1);
+  bent_[0] = first;
+  bent_[3] = last;
+  for (int i = 1; i < 3; ++i) bent_[i] = {seen[i].x - constant_.x, seen[i].y - constant_.y};
+  // How many times nearer to a corner the path begins or ends than it is long.
+  const FloatPair from = floatSeries_[0], to = toFloatPair(end_);
+  const auto distance = [](const FloatPair& p) { return 1.0F - larger(larger(p.x, p.y), third(p)); };
+  const F dx = absolute(to.x - from.x), dy = absolute(to.y - from.y);
+  const F nearest = larger(smaller(distance(from), distance(to)), L::all(1e-6F));
+  const F nearness = larger(larger(dx, dy), absolute((to.x + to.y) - (from.x + from.y))) / nearest;
+
+  F astray = L::all(0.0F);
   for (int i = 0; i < kNodes; ++i) {
     moved[i] = displacement(bent_, i);
-    largest = larger(largest, absolute(moved[i].x) + absolute(moved[i].y));
+    const FloatPair seenAt = i == 1 || i == 2 ? guess[i - 1] : FloatPair{F(), F()};
+    astray = astray + kWeight[i] * (absolute(moved[i].x - seenAt.x) + absolute(moved[i].y - seenAt.y));
   }
+  // By the gradient of the correction c, some 2 c per length, and more next to a corner.
   const F size = lengthOf(constant_), gradient = 2.0F * size * (1.0F + 0.2F * nearness);
-  F missing = 2.0F * duration * gradient * largest;
+  F missing = 2.6F * duration * gradient * astray;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const auto again = missing > 0.1F * tolerance_;
     if (!isAny(again)) break;
@@ -360,7 +379,7 @@ auto FaceStepKernel<Bytes, Count>::bend() -> F {
       moved[i] = {select(again, d.x, moved[i].x), select(again, d.y, moved[i].y)};
       displaced[i] = {node_[i].x + moved[i].x, node_[i].y + moved[i].y};
     }
-    correctionsAtNodes(displaced, seen);
+    correctionsAt<kNodes>(displaced, seen);
     for (int i = 0; i < kNodes; ++i) {
       next[i] = {seen[i].x - constant_.x, seen[i].y - constant_.y};
       change = larger(change, absolute(next[i].x - bent_[i].x) + absolute(next[i].y - bent_[i].y));
@@ -407,7 +426,7 @@ auto FaceStepKernel<Bytes, Count>::bend() -> F {
   // And round-off.
   const F rounding = 1e-6F * (size + residual);
   return missing +
-         duration * (rounding + rule * lengthOf(cubic) + residual * squared * squared * stretch * (1.0F / 720));
+         duration * (rounding + rule * lengthOf(cubic) + residual * squared * squared * squared * (1.0F / 5040));
 }
 
 template <int Bytes, int Count>
@@ -493,8 +512,8 @@ void FaceStepKernel<Bytes, Count>::run(Particles& particles, int firstParticle) 
 
   // The error: of the series, the bend, the last way to the side, the length.
   const F squaredTime = step * step, fourth = squaredTime * squaredTime;
-  error =
-      error + 0.5F * size_ * (fourth * fourth) * toFloats(absolute(series_[kOrder].x) + absolute(series_[kOrder].y));
+  error = error + smaller(0.125F * stretch_ * step, L::all(0.5F)) * size_ * (fourth * fourth) *
+                      toFloats(absolute(series_[kOrder].x) + absolute(series_[kOrder].y));
   const FloatPair jump = {lastBent_.x - bent_[kNodes - 1].x, lastBent_.y - bent_[kNodes - 1].y};
   const F stretch = stretch_ * lateness;
   error = error + lateness * (0.5F * lengthOf(jump) + stretch * stretch * 0.2F * lengthOf(toFloatPair(v)));
@@ -502,7 +521,7 @@ void FaceStepKernel<Bytes, Count>::run(Particles& particles, int firstParticle) 
   const F way = toFloats(chord), inverseSpeed = step / way;
   const F second = absolute(excessQuadratic) * inverseSpeed,
           visible = absolute(excessCubic) * inverseSpeed + second * squareRoot(second);
-  error = error + 4e-7F * step * sideways + way * visible * visible * squareRoot(visible);
+  error = error + 4e-7F * step * sideways + 0.25F * way * visible * visible * squareRoot(visible);
   const F allowed = smaller(tolerance_, relativeTolerance_ * toFloats(length));
   const auto exact = toDoubles(error) <= toDoubles(allowed);
   const auto allowedTime = duration <= longest_;
