@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tracing/dense_step.h"
+
 namespace stormfield {
 namespace {
-
-double cross(Complex a, Complex b) {
-  return a.real() * b.imag() - a.imag() * b.real();
-}
 
 double squaredDistance(Complex p, Complex a, Complex b) {
   const Complex side = b - a, d = p - a;
@@ -34,8 +32,8 @@ Isometry unfold(const FlatFaces& faces, Index h) {
   const FlatFace& other = faces[TriangleMesh::face(twin)];
   const int j = TriangleMesh::corner(twin);
   const Complex tail = base.corner(i), head = base.corner((i + 1) % 3);
-  Complex rotation = (tail - head) / (other.corner((j + 1) % 3) - other.corner(j));
-  rotation /= std::abs(rotation);
+  Complex rotation = (tail - head) * std::conj(other.corner((j + 1) % 3) - other.corner(j));
+  rotation /= magnitude(rotation);
   return {rotation, head - rotation * other.corner(j)};
 }
 

@@ -73,6 +73,16 @@ class NearFaces {
 /// Distance between the segments p q and a b in the plane.
 double segmentDistance(Complex p, Complex q, Complex a, Complex b);
 
+inline double cross(Complex a, Complex b) {
+  return a.real() * b.imag() - a.imag() * b.real();
+}
+
+/// Whether the segment p q is on one side of the line through a and b, farther away than a distance.
+inline bool isBeside(Complex p, Complex q, Complex a, Complex b, double distance) {
+  const double fromP = cross(b - a, p - a), fromQ = cross(b - a, q - a);
+  return fromP * fromQ > 0.0 && std::min(fromP * fromP, fromQ * fromQ) > distance * distance * std::norm(b - a);
+}
+
 // Inline: called for every pair of samples ---------------------------------------------------------------------------
 
 template <typename OnBoundary>
@@ -91,6 +101,7 @@ void NearFaces::collect(Index base, Complex from, Complex to, double distance, s
       const Index h = TriangleMesh::halfedge(at.face, i), twin = flat.twin(i);
       if (h == at.entered) continue;
       const Complex a = corners[i], b = corners[(i + 1) % 3];
+      if (isBeside(from, to, a, b, distance)) continue;
       if (segmentDistance(from, to, a, b) > distance) continue;
       if (twin == kNone) {
         onBoundary(h);

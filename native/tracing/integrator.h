@@ -102,7 +102,7 @@ class Integrator {
   static constexpr bool kInClosedForm = requires(const Flow& flow, const FlatFace& face) { flow.vertexValues(face); };
   /// Barycentric round-off that does not count as outside; nearer to a vertex than kSnap is on it; a vertex is left by
   /// kLeave of an edge.
-  static constexpr double kSlack = 1e-10, kSnap = 1e-9, kLeave = 1e-7;
+  static constexpr double kSlack = 1e-10, kSnap = 1e-9, kLeave = 1e-5;
   /// How far beyond the straight exit a step is tried, so that curved paths leave in one step as well.
   static constexpr double kOvershoot = 1.1;
   /// Largest error of a step as a fraction of its length, whatever the tolerance.
@@ -196,7 +196,20 @@ class Integrator {
     for (int i = 0; i < 3; ++i) {
       if (seed.barycentric[i] > 1.0 - kSnap) return leaveVertex(i);
     }
+    for (int i = 0; i < 3; ++i) {
+      if (seed.barycentric[i] == 0.0) enterFromSide((i + 1) % 3);
+    }
     return true;
+  }
+  /// A seed on a side goes into the face that the flow takes it to, if there is one.
+  void enterFromSide(int side) {
+    load();
+    const double fraction = fractionAlong(side, position_);
+    if (flowsInward(side, position_, elapsed_)) {
+      entry_ = {side, fraction};
+    } else if (flat_->twin(side) != kNone) {
+      cross(side, fraction);
+    }
   }
 
   bool advance();
