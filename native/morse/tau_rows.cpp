@@ -13,6 +13,7 @@
 
 #include "base/message.h"
 #include "morse/edge_image.h"
+#include "morse/tears.h"
 
 namespace stormfield {
 namespace {
@@ -157,6 +158,7 @@ class RowMaker {
 
   TauRows run(TauWork* work) {
     collectElements();
+    torn_ = tornFaces(flow_, tau_, progress_);
     mapVertices();
     PiecewiseLists images(edges_.elements().size());
     leaves_.assign(edges_.elements().size(), 0);
@@ -253,8 +255,8 @@ class RowMaker {
   }
 
   /// Which face the flow takes vertices from, kOutside for those that enter the surface on the way: the vertices of the
-  /// faces that edges meet, inside a Morse set those of the set (an image may hold some of it while its boundary is out
-  /// of sight), and the neighbours of those that come from faces whose rows are made.
+  /// faces that edges and tears meet, those of the faces whose rows are made (an image may hold them while its boundary
+  /// is out of sight, or has left the surface all around), and the neighbours of those that come from such faces.
   void findOrigins(const PiecewiseLists& images) {
     origins_.assign(mesh_.vertexCount(), kUnknown);
     budget_.take(sizeof(Index) * origins_.size());
@@ -269,9 +271,10 @@ class RowMaker {
         for (int k = 0; k < 3; ++k) ask(asked, mesh_.vertex(f, k));
       }
     }
-    if (windows_ != nullptr) {
-      for (const Index v : vertices_.elements()) ask(asked, v);
+    for (const auto& [face, met] : torn_) {
+      for (int k = 0; k < 3; ++k) ask(asked, mesh_.vertex(met, k));
     }
+    for (const Index v : vertices_.elements()) ask(asked, v);
     while (!asked.empty()) {
       std::sort(asked.begin(), asked.end());
       traceBack(asked);
@@ -316,6 +319,10 @@ class RowMaker {
       row.insert(row.end(), image.begin(), image.end());
       leaves |= leaves_[slot] != 0;
     }
+    for (auto it = std::lower_bound(torn_.begin(), torn_.end(), std::pair(face, Index{0}));
+         it != torn_.end() && it->first == face; ++it) {
+      row.push_back(it->second);
+    }
     sortOnce(row);
     fill(face, scratch);
     for (const Index f : row) {
@@ -354,6 +361,7 @@ class RowMaker {
     for (const Index f : row) {
       for (int k = 0; k < 3; ++k) meet(mesh_.vertex(f, k));
     }
+    for (int k = 0; k < 3; ++k) meet(mesh_.vertex(face, k));
     if (windows_ != nullptr) {
       const auto [first, last] = std::equal_range(inside_.begin(), inside_.end(), Inside{face, kNone},
                                                   [](const Inside& a, const Inside& b) { return a.origin < b.origin; });
@@ -415,7 +423,8 @@ class RowMaker {
   Numbering vertices_, edges_;
   std::vector<Arrival> arrivals_;  ///< after every step, of each vertex
   std::vector<int> known_;         ///< steps of each vertex that were followed
-  std::vector<Inside> inside_;     ///< by origin
+  std::vector<std::pair<Index, Index>> torn_;
+  std::vector<Inside> inside_;  ///< by origin
   std::vector<char> leaves_;
   std::vector<Index> origins_;  ///< per vertex
   std::atomic<std::size_t> done_{0}, traces_{0};
