@@ -10,7 +10,7 @@
 namespace stormfield {
 
 ParameterizedField makeParameterizedField(std::shared_ptr<const VertexCharts> charts, std::vector<double> lambdas,
-                                          std::vector<Complex> values) {
+                                          FieldValues values) {
   if (lambdas.empty()) throw InputError("the field has no samples; give at least one lambda");
   for (std::size_t j = 0; j < lambdas.size(); ++j) {
     // Written so that a NaN fails as well.

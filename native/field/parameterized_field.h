@@ -1,6 +1,7 @@
 // A field for every lambda in [0, 1]: samples at lambda_j, linear between (thesis 10.2, 11.1.1).
 #pragma once
 
+#include "field/field_values.h"
 #include "field/vector_field.h"
 
 namespace stormfield {
@@ -9,7 +10,7 @@ namespace stormfield {
 struct ParameterizedField {
   std::shared_ptr<const VertexCharts> charts;
   std::vector<double> lambdas;
-  std::vector<Complex> values;
+  FieldValues values;
 
   Index sampleCount() const { return static_cast<Index>(lambdas.size()); }
   Index vertexCount() const { return charts->mesh().vertexCount(); }
@@ -18,7 +19,7 @@ struct ParameterizedField {
 
 /// Throws InputError on sizes that do not match, lambdas outside 0..1 or not increasing, values that are not finite.
 ParameterizedField makeParameterizedField(std::shared_ptr<const VertexCharts> charts, std::vector<double> lambdas,
-                                          std::vector<Complex> values);
+                                          FieldValues values);
 /// The instantaneous field at lambda (clamped to the first and last sample).
 VectorField at(const ParameterizedField& field, double lambda);
 /// Sample j as a field of its own.

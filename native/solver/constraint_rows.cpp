@@ -1,10 +1,12 @@
 #include "solver/constraint_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -107,24 +109,39 @@ ConstraintRows constraintRows(const ConstraintSet& constraints, const std::vecto
   check(constraints, static_cast<Index>(rowOf.size()), samples);
   const std::size_t rows = mass.size();
 
-  std::vector<std::size_t> start(rows + 1, 0);
-  for (const Index v : constraints.vertex) {
-    if (rowOf[v] != kNone) ++start[rowOf[v] + 1];
-  }
-  for (std::size_t i = 0; i < rows; ++i) start[i + 1] += start[i];
+  // Counted and put in their places by slices, which side by side leave them in the order they came in.
+  constexpr std::size_t kSlices = 4;
+  std::array<std::vector<std::size_t>, kSlices> place;  // per row: how many, then where the next one goes
+  std::array<bool, kSlices> anyHard{};
+  auto forSlices = [&](const auto& body) {
+    tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t slice) {
+      const std::size_t end = constraints.size() * (slice + 1) / kSlices;
+      for (std::size_t k = constraints.size() * slice / kSlices; k < end; ++k) {
+        const Index row = rowOf[constraints.vertex[k]];
+        if (row != kNone) body(slice, k, row);
+      }
+    });
+  };
+  for (auto& rowsOfSlice : place) rowsOfSlice.assign(rows, 0);
+  forSlices([&](std::size_t slice, std::size_t, Index row) { ++place[slice][row]; });
   ConstraintRows result;
-  result.entries.resize(start.back());
-  result.start.assign(start.begin(), start.end() - 1);
-  result.stop = result.start;
-  for (std::size_t k = 0; k < constraints.size(); ++k) {
-    const Index row = rowOf[constraints.vertex[k]];
-    if (row == kNone) continue;
+  result.start.reserve(rows);
+  result.stop.reserve(rows);
+  std::size_t total = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    result.start.push_back(total);
+    for (auto& rowsOfSlice : place) total += std::exchange(rowsOfSlice[i], total);
+    result.stop.push_back(total);
+  }
+  result.entries.resize(total);
+  forSlices([&](std::size_t slice, std::size_t k, Index row) {
     const double weight = constraints.weight[k];
     const bool hard = std::isinf(weight);
-    result.anyHard = result.anyHard || hard;
-    result.entries[result.stop[row]++] = {constraints.sample[k], hard ? weight : weight * mass[row],
-                                          hard ? constraints.value[k] : weight * mass[row] * constraints.value[k]};
-  }
+    anyHard[slice] = anyHard[slice] || hard;
+    result.entries[place[slice][row]++] = {constraints.sample[k], hard ? weight : weight * mass[row],
+                                           hard ? constraints.value[k] : weight * mass[row] * constraints.value[k]};
+  });
+  result.anyHard = std::find(anyHard.begin(), anyHard.end(), true) != anyHard.end();
 
   // The first row in which two constraints contradict.
   std::atomic<std::size_t> faultyRow{rows};

@@ -33,8 +33,8 @@ class Iteration {
         matrix_(matrix),
         x_(vectors.x.data()),
         r_(vectors.r.data()),
-        z_(vectors.z.data()),
-        p_(vectors.p.data()),
+        z_(static_cast<float*>(vectors.work.data())),
+        p_(z_ + vectors.x.size()),
         squares_(std::move(squares)),
         first_(lengthOf(squares_)),
         length_(first_),
@@ -158,12 +158,9 @@ class Iteration {
 
 KrylovOutcome krylovSolve(Multigrid& multigrid, const SpaceTimeOperator& matrix, KrylovVectors& vectors,
                           std::vector<double> squares, const KrylovGoal& goal, Progress& progress) {
-  vectors.z = FieldBuffer(vectors.x.size());
-  vectors.p = FieldBuffer(vectors.x.size());
-  const KrylovOutcome outcome = Iteration(multigrid, matrix, vectors, std::move(squares), goal, progress).run();
-  vectors.z = FieldBuffer();
-  vectors.p = FieldBuffer();
-  return outcome;
+  const std::size_t bytes = 2 * vectors.x.size() * sizeof(float);
+  if (vectors.work.bytes() < bytes) vectors.work = Pages(bytes);
+  return Iteration(multigrid, matrix, vectors, std::move(squares), goal, progress).run();
 }
 
 }  // namespace stormfield

@@ -19,9 +19,11 @@
 
 namespace stormfield {
 
-/// Rows of the finest level: solution, residual, and two to work with, which are there during krylovSolve only.
+/// Rows of the finest level: solution and residual, and memory for two more, which krylovSolve asks for where there is
+/// too little, and leaves for others.
 struct KrylovVectors {
-  FieldBuffer x, r, z, p;
+  FieldBuffer x, r;
+  Pages work;
 
   explicit KrylovVectors(std::size_t floats) : x(floats), r(floats) {}
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace stormfield {
@@ -29,13 +30,18 @@ LevelWeights finestWeights(const ConstraintRows& constraints) {
   LevelWeights result;
   const std::size_t rows = constraints.start.size();
   result.start.reserve(rows + 1);
-  result.entries.reserve(constraints.entries.size());
   for (std::size_t i = 0; i < rows; ++i) {
-    for (std::size_t k = constraints.start[i]; k < constraints.stop[i]; ++k) {
-      result.entries.push_back({constraints.entries[k].sample, constraints.entries[k].weight});
-    }
-    result.start.push_back(result.entries.size());
+    result.start.push_back(result.start.back() + constraints.stop[i] - constraints.start[i]);
   }
+  result.entries.resize(result.start.back());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows, 512), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      LevelWeights::Entry* out = result.entries.data() + result.start[i];
+      for (std::size_t k = constraints.start[i]; k < constraints.stop[i]; ++k) {
+        *out++ = {constraints.entries[k].sample, constraints.entries[k].weight};
+      }
+    }
+  });
   return result;
 }
 
@@ -50,7 +56,7 @@ LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, cons
     for (Index row = first; row < std::min(rows, first + kBlock); ++row) {
       bool any = false;
       for (const kernels::Coupling* c = from.restriction.begin(row); c != from.restriction.end(row); ++c) {
-        const double share = std::hypot(c->re, c->im);
+        const double share = std::sqrt(c->re * c->re + c->im * c->im);
         for (std::size_t k = fine.start[c->column]; k < fine.start[c->column + 1]; ++k) {
           const auto [j, weight] = fine.entries[k];
           const double most = kMostWeight * from.diagonal[c->column] * from.lambda.mass[j];

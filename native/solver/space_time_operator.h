@@ -35,7 +35,8 @@ class SpaceTimeOperator {
                                const Progress& progress) const;
 
  private:
-  void image(Index row, const float* x, float* out) const;
+  /// out = row of A x; line: memory for a row and four floats.
+  void image(Index row, const float* x, float* line, float* out) const;
 
   const SurfaceLevel& level_;
   const std::vector<double>& mass_;

@@ -149,44 +149,41 @@ std::vector<Index> SpaceTimeResidual::localRows(Index chunk) const {
   return rows;
 }
 
-/// Calls body(first row, last row, first sample, samples) for blocks whose vertices and samples stay in the caches.
+/// Calls body(row, at in rows, at in field) for every vertex and sample, in tiles that the caches hold in both
+/// layouts; row is kNone where there is none.
 template <typename Body>
-void SpaceTimeResidual::forBlocks(const Progress& progress, const Body& body) const {
-  constexpr Index kRows = 1 << 15, kSamples = 10;
-  const Index rows = hierarchy_.matrix.rows();
-  const Index rowBlocks = (rows + kRows - 1) / kRows, sampleBlocks = (samples() + kSamples - 1) / kSamples;
-  tbb::parallel_for(Index{0}, rowBlocks * sampleBlocks, [&](Index block) {
+void SpaceTimeResidual::forValues(const Progress& progress, const Body& body) const {
+  constexpr Index kVertices = 256, kSamples = 8;
+  const Index vertices = static_cast<Index>(rowOf_.size());
+  auto tile = [&](Index first, Index last, Index j, Index end) {
+    for (; j < end; ++j) {
+      const std::size_t slice = static_cast<std::size_t>(j) * vertices;
+      for (Index v = first; v < last; ++v) body(rowOf_[v], rowOf_[v] * stride() + 2 * j, slice + v);
+    }
+  };
+  tbb::parallel_for(Index{0}, (vertices + kVertices - 1) / kVertices, [&](Index block) {
     progress.check();
-    const Index row = block / sampleBlocks * kRows, j = block % sampleBlocks * kSamples;
-    body(row, std::min(rows, row + kRows), j, std::min(kSamples, samples() - j));
+    const Index first = block * kVertices, last = std::min(vertices, first + kVertices);
+    for (Index j = 0; j < samples(); j += kSamples) tile(first, last, j, std::min(samples(), j + kSamples));
   });
 }
 
 void SpaceTimeResidual::toRows(const Complex* field, double scale, float* rows, const Progress& progress) const {
   const double factor = 1.0 / scale;
-  forBlocks(progress, [&](Index first, Index last, Index j, Index count) {
-    const Complex* slices = field + static_cast<std::size_t>(j) * rowOf_.size();
-    for (Index row = first; row < last; ++row) {
-      float* out = rows + row * stride() + 2 * j;
-      const Complex* in = slices + vertex_[row];
-      for (Index t = 0; t < count; ++t, in += rowOf_.size()) {
-        out[2 * t] = static_cast<float>(factor * in->real());
-        out[2 * t + 1] = static_cast<float>(factor * in->imag());
-      }
-      if (j + count == samples()) std::fill(out + 2 * count, rows + (row + 1) * stride(), 0.0f);
-    }
+  forValues(progress, [&](Index row, std::size_t at, std::size_t from) {
+    if (row == kNone) return;
+    rows[at] = static_cast<float>(factor * field[from].real());
+    rows[at + 1] = static_cast<float>(factor * field[from].imag());
   });
+  for (std::size_t row = 0; row < vertex_.size(); ++row) {
+    std::fill(rows + row * stride() + 2 * samples(), rows + (row + 1) * stride(), 0.0f);
+  }
 }
 
 void SpaceTimeResidual::toField(const ConstraintRows& constraints, const float* rows, double scale, Complex* field,
                                 const Progress& progress) const {
-  forBlocks(progress, [&](Index first, Index last, Index j, Index count) {
-    Complex* slices = field + static_cast<std::size_t>(j) * rowOf_.size();
-    for (Index row = first; row < last; ++row) {
-      const float* in = rows + row * stride() + 2 * j;
-      Complex* out = slices + vertex_[row];
-      for (Index t = 0; t < count; ++t, out += rowOf_.size()) *out = scale * Complex(in[2 * t], in[2 * t + 1]);
-    }
+  forValues(progress, [&](Index row, std::size_t at, std::size_t to) {
+    field[to] = row == kNone ? Complex() : scale * Complex(rows[at], rows[at + 1]);
   });
   if (!constraints.anyHard) return;
   for (Index row = 0; row < hierarchy_.matrix.rows(); ++row) {
@@ -197,13 +194,8 @@ void SpaceTimeResidual::toField(const ConstraintRows& constraints, const float* 
 }
 
 void SpaceTimeResidual::add(const float* rows, double scale, Complex* field, const Progress& progress) const {
-  forBlocks(progress, [&](Index first, Index last, Index j, Index count) {
-    Complex* slices = field + static_cast<std::size_t>(j) * rowOf_.size();
-    for (Index row = first; row < last; ++row) {
-      const float* in = rows + row * stride() + 2 * j;
-      Complex* out = slices + vertex_[row];
-      for (Index t = 0; t < count; ++t, out += rowOf_.size()) *out += scale * Complex(in[2 * t], in[2 * t + 1]);
-    }
+  forValues(progress, [&](Index row, std::size_t at, std::size_t to) {
+    if (row != kNone) field[to] += scale * Complex(rows[at], rows[at + 1]);
   });
 }
 

@@ -26,7 +26,7 @@ class SpaceTimeResidual {
 
   /// rows = field / scale, rounded.
   void toRows(const Complex* field, double scale, float* rows, const Progress& progress) const;
-  /// field = scale * rows, with the exact hard values; vertices without a row keep theirs.
+  /// field = scale * rows, with the exact hard values, and zeros at vertices without a row.
   void toField(const ConstraintRows& constraints, const float* rows, double scale, Complex* field,
                const Progress& progress) const;
   /// field += scale * rows.
@@ -38,7 +38,7 @@ class SpaceTimeResidual {
   Index samples() const { return hierarchy_.levels.front().lambda.samples(); }
   std::size_t stride() const { return hierarchy_.levels.front().lambda.stride(); }
   template <typename Body>
-  void forBlocks(const Progress& progress, const Body& body) const;
+  void forValues(const Progress& progress, const Body& body) const;
 
   const SurfaceHierarchy& hierarchy_;
   double lambdaCoupling_;

@@ -37,7 +37,7 @@ double scaleOf(double length) {
 }
 
 /// Sum of the absolute values, or something that is not finite.
-double sumOfValues(const std::vector<Complex>& values) {
+double sumOfValues(const FieldValues& values) {
   return tbb::parallel_deterministic_reduce(
       tbb::blocked_range<std::size_t>(0, values.size(), 1 << 15), 0.0,
       [&](const auto& range, double sum) {
@@ -154,6 +154,7 @@ class SpaceTimeSolver::Solve {
       // Every value asked for is zero, and so is the field.
       state_.scale = 0.0;
       allocateField();
+      std::fill(result_.field.values.begin(), result_.field.values.end(), Complex());
     } else {
       state_.multigrid.constrain(state_.rows, progress_);
       Squares first = start();
@@ -184,7 +185,8 @@ class SpaceTimeSolver::Solve {
   void allocateField() {
     result_.field.charts = charts_;
     result_.field.lambdas = uniformLambdas(options_.samples);
-    result_.field.values.resize(static_cast<std::size_t>(options_.samples) * charts_->mesh().vertexCount());
+    result_.field.values = FieldValues(static_cast<std::size_t>(options_.samples) * charts_->mesh().vertexCount(),
+                                       std::exchange(state_.vectors.work, {}));
   }
 
   /// Puts hard values and the zeros of components without constraint in their places; whether there are any.
@@ -288,6 +290,7 @@ class SpaceTimeSolver::Solve {
       residual_.add(v.x.data(), scale, field, progress_);
       scale = rightSide_ * std::max(kSinglePrecisionGain * before, 1e-300);
     }
+    v.work = {};
     residual_.toRows(field, solutionScale, v.x.data(), progress_);
     state_.scale = solutionScale;
   }

@@ -12,9 +12,9 @@ namespace stormfield {
 namespace {
 
 ParameterizedField constantInLambda(const VectorField& field) {
-  ParameterizedField result{field.charts, {0.0, 1.0}, field.values};
-  result.values.insert(result.values.end(), field.values.begin(), field.values.end());
-  return result;
+  std::vector<Complex> values = field.values;
+  values.insert(values.end(), field.values.begin(), field.values.end());
+  return {field.charts, {0.0, 1.0}, values};
 }
 
 TEST(EvenSpeed, KeepsDirectionsAndIndices) {

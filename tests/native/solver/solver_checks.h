@@ -11,6 +11,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -161,7 +162,7 @@ inline std::vector<Complex> directSolution(const VertexCharts& charts, const Spa
   return std::vector<Complex>(x.data(), x.data() + x.size());
 }
 
-inline double difference(const std::vector<Complex>& a, const std::vector<Complex>& b) {
+inline double difference(std::span<const Complex> a, std::span<const Complex> b) {
   EXPECT_EQ(a.size(), b.size());
   double error = 0.0, length = 0.0;
   for (std::size_t k = 0; k < a.size(); ++k) {

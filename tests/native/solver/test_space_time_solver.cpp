@@ -48,7 +48,7 @@ TEST(SpaceTimeSolver, GivesTheSameBitsForAnyThreadCount) {
     Progress progress;
     return SpaceTimeSolver(sphere, {.samples = 30}).solve(constraints, progress).field.values;
   };
-  const std::vector<Complex> one = solve(1);
+  const FieldValues one = solve(1);
   EXPECT_EQ(one, solve(2));
   EXPECT_EQ(one, solve(3));
 }

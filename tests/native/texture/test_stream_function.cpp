@@ -75,8 +75,9 @@ TEST(StreamFunction, HoldsOnPlanesAndEveryComponent) {
 TEST(StreamFunction, IsLinearAndTheSameForSequences) {
   const auto charts = surfaces::torus(20, 12, 0.4, 0.2);
   const VectorField a = surfaces::swirlField(charts), b = surfaces::swirlField(charts, 1.0);
-  ParameterizedField field{charts, {0.0, 1.0}, a.values};
-  field.values.insert(field.values.end(), b.values.begin(), b.values.end());
+  std::vector<Complex> values = a.values;
+  values.insert(values.end(), b.values.begin(), b.values.end());
+  const ParameterizedField field{charts, {0.0, 1.0}, values};
   const auto both = streamFunctions(field);
   const StreamFunctionSolver solver(charts);
   std::vector<Complex> mixed(a.values.size());

@@ -232,9 +232,9 @@ TEST(Tracking, DoesNotDependOnLabelsOrThreads) {
   const Index last = static_cast<Index>(s.points.rows()) - 1;
   reversedLabels.points = s.points.colwise().reverse();
   reversedLabels.triangles = (last - s.triangles.array()).matrix();
-  std::vector<Complex> values = field.values;
+  FieldValues values = field.values;
   for (Index j = 0; j < field.sampleCount(); ++j) {
-    const auto from = values.begin() + static_cast<std::ptrdiff_t>(j) * (last + 1);
+    Complex* const from = values.begin() + static_cast<std::ptrdiff_t>(j) * (last + 1);
     std::reverse(from, from + last + 1);
   }
   expectSame(tracking, track(makeParameterizedField(makeCharts(reversedLabels), field.lambdas, values)));

@@ -19,11 +19,13 @@ Vec3 at(const FlatFaces& faces, const SurfacePoint& p) {
 struct Scene {
   explicit Scene(const surfaces::ChartsPointer& charts, const std::vector<VectorField>& samples)
       : faces(charts), field{charts, {}, {}} {
+    std::vector<Complex> values;
     for (std::size_t j = 0; j < samples.size(); ++j) {
       field.lambdas.push_back(samples.size() > 1 ? static_cast<double>(j) / static_cast<double>(samples.size() - 1)
                                                  : 0.0);
-      field.values.insert(field.values.end(), samples[j].values.begin(), samples[j].values.end());
+      values.insert(values.end(), samples[j].values.begin(), samples[j].values.end());
     }
+    field.values = values;
   }
   UnsteadyField flow() const { return {faces, field, {{0.0, 1.0}, {0.0, 1.0}}}; }
 
