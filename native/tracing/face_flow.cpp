@@ -29,7 +29,7 @@ FaceFlow::FaceFlow(const FlatFace& face, const std::array<Complex, 3>& values) {
   foot = third.real() * inverseBase;
   height = third.imag() * inverseBase;
   longestSide = static_cast<float>(face.longestSide() * inverseBase);
-  double fastest = 0.0;
+  double fastest = 0.0, bound = 0.0;
   for (int i = 0; i < 3; ++i) {
     const Complex v = face.carry(i, values[i]), g1 = face.gradient(1);
     rate[i][0] = v.real() * g1.real() + v.imag() * g1.imag();
@@ -38,12 +38,17 @@ FaceFlow::FaceFlow(const FlatFace& face, const std::array<Complex, 3>& values) {
     doubleTwist[i] = std::abs(face.doubleTwist(i)) < kNoTwist ? 0.0F : face.doubleTwist(i);
     tanHalf[i] = face.tanHalf(i);
     twin[i] = face.twin(i);
+    // The turn is the double twist times half the angle to the bisector.
+    const auto turn = static_cast<double>(0.5F * std::abs(doubleTwist[i]) * tanHalf[i]);
+    bound = std::max(bound, turn * std::abs(v) * inverseBase);
   }
   unit = 1.0 / fastest;
   if (face.isExtreme() || !(unit < kMost && fastest < kMost)) {
     unit = 0.0;
+    bend = 0.0F;
     return;
   }
+  bend = static_cast<float>(bound * unit);
   for (auto& r : rate) {
     r[0] *= unit;
     r[1] *= unit;

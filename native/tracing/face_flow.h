@@ -25,6 +25,7 @@ struct alignas(64) FaceFlow {
   float doubleTwist[3], tanHalf[3];  ///< as in FlatFace
   Index twin[3];
   float longestSide;
+  float bend;  ///< bound of the correction for curvature, bases per unit of time
 
   FaceFlow() = default;
   FaceFlow(const FlatFace& face, const std::array<Complex, 3>& values);

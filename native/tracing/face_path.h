@@ -4,11 +4,12 @@
 // as small as the twist of the corners (tracing/flat_faces.h). The path of L and of the constant that c is near the
 // middle of the way is a Taylor series that needs no further evaluation of the field; what the rest of c adds is
 //     e(t) = integral of exp(J (t - s)) (c(x(s)) - constant) ds,      J the Jacobian of L,
-// by Gauss' rule, looked at again at the displaced points where the twist is large. The estimated error, of series,
-// rule and displacement together, is within the tolerance; a step that would exceed it ends inside the face.
+// by Gauss' rule, looked at again at the displaced points where the twist is large. Where c is far below the tolerance
+// all over the face it is left out. The estimated error, of series, rule and displacement together, is within the
+// tolerance; a step that would exceed it ends inside the face.
 //
-// One particle at a time or eight side by side, each in a face of its own: every particle's result is the same either
-// way, and on every processor.
+// For many particles at a time see tracing/face_steps.h: every particle's result is the same either way, and on every
+// processor.
 #pragma once
 
 #include <limits>
@@ -45,28 +46,52 @@ struct StepLimits {
 bool stepThroughFace(const FaceFlow& face, const SidePoint& entry, const Eigen::Vector3d& inside,
                      const StepLimits& limits, FaceStep& step);
 
-/// Particles side by side, each on its way through its own face.
-class FaceSteps {
- public:
-  static constexpr int kCount = 8;
+// What steps of one and of many particles have in common.
 
-  FaceSteps();
+/// Tries of one step with the correction, each shorter than the one before.
+constexpr int kMostStepTries = 6;
 
-  /// Particle i's next step. The face must outlive it.
-  void set(int i, const FaceFlow& face, const SidePoint& entry, const Eigen::Vector3d& inside, double maximalDuration);
-  /// What take says of a step.
-  enum class Outcome {
-    Done,      ///< the step is as wanted
-    Shorter,   ///< it would not be exact enough: the next advance tries a shorter one
-    NotPlain,  ///< see stepThroughFace
-  };
-  /// One try of a step for all particles; those never set stay idle.
-  void advance(const StepLimits& limits);
-  Outcome take(int i, FaceStep& step);
+/// Whether to try first without the correction: if that is no step, one with it may be.
+inline bool isFlatEnough(const FaceFlow& face, const StepLimits& limits) {
+  constexpr double kPart = 0.1;
+  return static_cast<double>(face.bend) * face.base <= kPart * limits.tolerance;
+}
 
- private:
-  lanes::ParticlesOf<kCount> particles_;
-  int tries_[kCount];
-};
+inline lanes::KernelLimits kernelLimits(const StepLimits& limits) {
+  return {limits.tolerance, limits.relativeTolerance, std::sqrt(limits.squaredMinimalSpeed)};
+}
+
+template <int Count>
+void setParticle(lanes::ParticlesOf<Count>& particles, int i, const FaceFlow& face, const SidePoint& entry,
+                 const Eigen::Vector3d& inside, double maximalDuration) {
+  particles.face[i] = &face;
+  particles.longest[i] = maximalDuration;
+  if (entry.side < 0) {
+    particles.entry[i] = -1.0;
+    particles.start[0][i] = inside[1];
+    particles.start[1][i] = inside[2];
+    return;
+  }
+  const double s = entry.fraction;
+  particles.entry[i] = entry.side == 0 ? 2.0 : entry.side - 1.0;
+  particles.start[0][i] = entry.side == 0 ? s : (entry.side == 1 ? 1.0 - s : 0.0);
+  particles.start[1][i] = entry.side == 0 ? 0.0 : (entry.side == 1 ? s : 1.0 - s);
+}
+
+/// Of a step that exit says is done.
+template <int Count>
+void getStep(const lanes::ParticlesOf<Count>& particles, int i, FaceStep& step) {
+  const int exit = static_cast<int>(particles.exit[i]);
+  const double b1 = particles.end[0][i], b2 = particles.end[1][i];
+  step.duration = particles.duration[i];
+  step.length = particles.length[i];
+  if (exit == lanes::kInside) {
+    step.exit = SidePoint{};
+    step.barycentric = {1.0 - b1 - b2, b1, b2};
+  } else {
+    // The side opposite to corner e goes from e + 1 to e + 2.
+    step.exit = {exit == 2 ? 0 : exit + 1, exit == 0 ? b2 : (exit == 1 ? 1.0 - b2 : b1)};
+  }
+}
 
 }  // namespace stormfield

@@ -6,10 +6,10 @@ namespace stormfield::lanes {
 
 #ifdef __AVX2__
 using StepEight = void (*)(ParticlesOf<8>&, const KernelLimits&);
-StepEight stepEightForAvx2();
-StepEight stepEightForAvx2() {
-  return
-      [](ParticlesOf<8>& particles, const KernelLimits& limits) { FaceStepKernel<32, 8>::step(particles, 0, limits); };
+StepEight stepEightForAvx2(bool curved);
+StepEight stepEightForAvx2(bool curved) {
+  if (curved) return [](ParticlesOf<8>& p, const KernelLimits& l) { FaceStepKernel<32, 8, true>::step(p, 0, l); };
+  return [](ParticlesOf<8>& p, const KernelLimits& l) { FaceStepKernel<32, 8, false>::step(p, 0, l); };
 }
 #endif
 

@@ -14,7 +14,7 @@
 #include <type_traits>
 
 #include "tracing/dense_step.h"
-#include "tracing/face_path.h"
+#include "tracing/face_steps.h"
 #include "tracing/flow.h"
 #include "tracing/trace.h"
 
@@ -101,8 +101,8 @@ class Integrator {
   /// Whether the flow is the interpolation of fixed vectors at the vertices.
   static constexpr bool kInClosedForm = requires(const Flow& flow, const FlatFace& face) { flow.vertexValues(face); };
   /// Barycentric round-off that does not count as outside; nearer to a vertex than kSnap is on it; a vertex is left by
-  /// kLeave of an edge.
-  static constexpr double kSlack = 1e-10, kSnap = 1e-9, kLeave = 1e-5;
+  /// kLeave of an edge, far enough for a step in closed form to follow.
+  static constexpr double kSlack = 1e-10, kSnap = 1e-9, kLeave = kInClosedForm ? 1e-5 : 1e-7;
   /// How far beyond the straight exit a step is tried, so that curved paths leave in one step as well.
   static constexpr double kOvershoot = 1.1;
   /// Largest error of a step as a fraction of its length, whatever the tolerance.

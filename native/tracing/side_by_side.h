@@ -18,10 +18,10 @@ template <typename Flow, typename Work>
 void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
   struct Lane {
     Integrator<Flow> integrator;
-    bool busy, waiting;  ///< has a trace; its step is set
+    bool busy;  ///< has a trace
   };
-  std::vector<Lane> lanes(FaceSteps::kCount, Lane{prototype, false, false});
-  FaceSteps steps;
+  std::vector<Lane> lanes(FaceSteps::kCount, Lane{prototype, false});
+  FaceSteps steps(prototype.limits());
 
   const auto end = [&](Lane& lane, int i, bool wanted) {
     TraceEnd traceEnd = lane.integrator.end();
@@ -29,23 +29,20 @@ void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
     lane.busy = false;
     work.end(i, traceEnd);
   };
-  // Until its next step is set, or nothing is left to do.
+  // Until its next step is set; false if nothing is left to do.
   const auto prepare = [&](Lane& lane, int i) {
     bool going = lane.busy, wanted = true;
     while (true) {
       while (going && wanted) {
         if (lane.integrator.isOver()) break;
-        if (lane.integrator.ask(steps, i)) {
-          lane.waiting = true;
-          return;
-        }
+        if (lane.integrator.ask(steps, i)) return true;
         going = lane.integrator.takeSmallStep();
         wanted = work.step(i, lane.integrator);
       }
       if (lane.busy) end(lane, i, wanted);
       SurfacePoint seed;
       double maximalTime = 0.0;
-      if (!work.next(i, seed, maximalTime)) return;
+      if (!work.next(i, seed, maximalTime)) return false;
       lane.busy = wanted = true;
       going = lane.integrator.begin(seed, 0.0, maximalTime);
     }
@@ -53,24 +50,25 @@ void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
   const auto finish = [&](Lane& lane, int i) {
     FaceStep step;
     const FaceSteps::Outcome outcome = steps.take(i, step);
-    if (outcome == FaceSteps::Outcome::Shorter) return;
-    lane.waiting = false;
+    if (outcome == FaceSteps::Outcome::Again) return false;
     const bool plain = outcome == FaceSteps::Outcome::Done && lane.integrator.fits(step);
     const bool going = plain ? lane.integrator.take(step) : lane.integrator.takeSmallStep();
     const bool wanted = work.step(i, lane.integrator);
     if (!going || !wanted) end(lane, i, wanted);
+    return true;
   };
 
-  for (bool any = true; any;) {
-    any = false;
-    for (std::size_t i = 0; i < lanes.size(); ++i) {
-      if (!lanes[i].waiting) prepare(lanes[i], static_cast<int>(i));
-      any |= lanes[i].waiting;
+  // A lane with nothing to do asks again whenever another has come to an end, which may have made more.
+  std::array<bool, FaceSteps::kCount> idle;
+  idle.fill(true);
+  while (true) {
+    for (int i = 0; i < FaceSteps::kCount; ++i) {
+      if (idle[i]) idle[i] = !prepare(lanes[i], i);
     }
-    if (!any) break;
-    steps.advance(prototype.limits());
-    for (std::size_t i = 0; i < lanes.size(); ++i) {
-      if (lanes[i].waiting) finish(lanes[i], static_cast<int>(i));
+    const std::span<const int> advanced = steps.advance();
+    if (advanced.empty()) return;
+    for (const int i : advanced) {
+      if (finish(lanes[i], i)) idle[i] = true;
     }
   }
 }

@@ -1,6 +1,7 @@
 #include "tracing/streamline.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -17,8 +18,10 @@ namespace {
 
 using Steady = Integrator<SteadyFlow>;
 
-/// Seeds that one task traces side by side, and how many steps of a trace pay for preparing a face.
-constexpr std::size_t kGroup = 64, kWorthPreparing = 64;
+/// How many steps of a trace pay for preparing a face.
+constexpr std::size_t kWorthPreparing = 64;
+/// Traces between two reports of the progress.
+constexpr std::size_t kReport = 64;
 
 double fastest(const VectorField& field) {
   double squared = 0.0;
@@ -46,22 +49,57 @@ class Streamlines {
     prototype_.emplace(faces, flow, options, options.minimalSpeed * fastest(field));
   }
 
-  std::size_t groupCount() const { return (seeds_.size() + kGroup - 1) / kGroup; }
+  /// As many keepers as may work at a time.
+  std::size_t keeperCount() const {
+    return std::min(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), seeds_.size());
+  }
 
-  /// visitors: one for each group of seeds.
-  template <typename Visitor>
-  void trace(std::vector<Visitor>& visitors, Progress* progress) const {
-    std::atomic<std::size_t> done{0};
-    tbb::parallel_for(std::size_t{0}, visitors.size(), [&](std::size_t g) {
-      if (progress != nullptr) progress->check();
-      visitors[g].progress = progress;
-      traceSideBySide(*prototype_, seeds_, options_.maximalTime, g * kGroup, std::min(seeds_.size(), (g + 1) * kGroup),
-                      visitors[g]);
-      if (progress != nullptr) progress->report(static_cast<double>(++done) / static_cast<double>(visitors.size()));
-    });
+  /// Every keeper takes the next seed when one of its lanes is free, so that all lanes are busy to the end.
+  template <typename Keeper>
+  void trace(std::vector<Keeper>& keepers, Progress* progress) const {
+    std::atomic<std::size_t> begun{0}, done{0};
+    tbb::parallel_for(
+        std::size_t{0}, keepers.size(),
+        [&](std::size_t k) {
+          Work<Keeper> work{*this, keepers[k], begun, done, progress};
+          traceSideBySide(*prototype_, work);
+        },
+        tbb::simple_partitioner());
   }
 
  private:
+  /// Hands out seeds, and tells the keeper begin(lane, trace), step(lane, integrator) and end(lane, trace, TraceEnd).
+  template <typename Keeper>
+  struct Work {
+    const Streamlines& lines;
+    Keeper& keeper;
+    std::atomic<std::size_t>&begun, &done;
+    Progress* progress;
+    std::array<std::size_t, FaceSteps::kCount> traces{};
+
+    bool next(int lane, SurfacePoint& seed, double& maximalTime) {
+      if (progress != nullptr) progress->check();
+      if (begun.load(std::memory_order_relaxed) >= lines.seeds_.size()) return false;
+      const std::size_t trace = begun++;
+      if (trace >= lines.seeds_.size()) return false;
+      traces[lane] = trace;
+      seed = lines.seeds_[trace];
+      maximalTime = lines.options_.maximalTime;
+      keeper.begin(lane, seed);
+      return true;
+    }
+    bool step(int lane, const Steady& integrator) {
+      keeper.step(lane, integrator);
+      return true;
+    }
+    void end(int lane, const TraceEnd& traceEnd) {
+      keeper.end(lane, traces[lane], traceEnd);
+      const std::size_t ended = ++done;
+      if (progress == nullptr || ended % kReport != 0) return;
+      progress->report(static_cast<double>(ended) / static_cast<double>(lines.seeds_.size()));
+    }
+  };
+
   const std::vector<SurfacePoint>& seeds_;
   const TraceOptions& options_;
   std::unique_ptr<FaceFlow[]> prepared_;
@@ -71,53 +109,78 @@ class Streamlines {
 /// Keeps the ends.
 struct EndKeeper {
   std::vector<TraceEnd>* ends = nullptr;
-  Progress* progress = nullptr;
 
-  void begin(int, std::size_t) {
-    if (progress != nullptr) progress->check();
-  }
+  void begin(int, const SurfacePoint&) {}
   void step(int, const Steady&) {}
   void end(int, std::size_t trace, const TraceEnd& traceEnd) { (*ends)[trace] = traceEnd; }
 };
 
-/// Keeps the points, those of a lane in one buffer.
-struct PointKeeper {
-  struct Buffer {
-    std::vector<SurfacePoint> points;
-    std::vector<double> times;
-    std::size_t first = 0;  ///< of the trace at hand
-  };
-  struct Piece {
-    int lane;
-    std::size_t first;
-  };
-  Traces* traces = nullptr;
-  const std::vector<SurfacePoint>* seeds = nullptr;
-  Progress* progress = nullptr;
-  std::array<Buffer, FaceSteps::kCount> buffers = {};
-  std::array<Piece, kGroup> pieces = {};
+/// Points one after the other, in blocks that stay where they are while more come.
+class PointLog {
+ public:
+  std::size_t size() const { return size_; }
+  void add(const SurfacePoint& point, double time) {
+    if (size_ % kBlock == 0) blocks_.push_back(std::make_unique_for_overwrite<Block>());
+    blocks_.back()->points[size_ % kBlock] = point;
+    blocks_.back()->times[size_ % kBlock] = lastTime_ = time;
+    ++size_;
+  }
+  double lastTime() const { return lastTime_; }
+  void replaceLast(const SurfacePoint& point) { blocks_.back()->points[(size_ - 1) % kBlock] = point; }
+  void copy(std::size_t first, std::size_t count, SurfacePoint* points, double* times) const {
+    while (count > 0) {
+      const Block& block = *blocks_[first / kBlock];
+      const std::size_t at = first % kBlock, here = std::min(count, kBlock - at);
+      points = std::copy_n(block.points + at, here, points);
+      times = std::copy_n(block.times + at, here, times);
+      first += here;
+      count -= here;
+    }
+  }
 
-  void begin(int lane, std::size_t trace) {
-    if (progress != nullptr) progress->check();
-    Buffer& buffer = buffers[lane];
-    buffer.first = buffer.points.size();
-    buffer.points.push_back((*seeds)[trace]);
-    buffer.times.push_back(0.0);
+ private:
+  static constexpr std::size_t kBlock = 1024;
+  struct Block {
+    SurfacePoint points[kBlock];
+    double times[kBlock];
+  };
+  std::vector<std::unique_ptr<Block>> blocks_;
+  std::size_t size_ = 0;
+  double lastTime_ = 0.0;
+};
+
+/// Where the points of a trace are.
+struct Piece {
+  const PointLog* log = nullptr;
+  std::size_t first = 0;
+};
+
+/// Keeps the points, those of a lane in one log.
+struct PointKeeper {
+  Traces* traces = nullptr;
+  std::vector<Piece>* pieces = nullptr;
+  std::array<PointLog, FaceSteps::kCount> logs;
+  std::array<std::size_t, FaceSteps::kCount> first = {};
+
+  void begin(int lane, const SurfacePoint& seed) {
+    PointLog& log = logs[lane];
+    first[lane] = log.size();
+    log.add(seed, 0.0);
   }
   void step(int lane, const Steady& integrator) {
-    Buffer& buffer = buffers[lane];
+    PointLog& log = logs[lane];
     // Hand-overs between faces do not move the particle.
-    if (integrator.elapsed() == buffer.times.back()) {
-      buffer.points.back() = integrator.here();
-      return;
+    if (integrator.elapsed() == log.lastTime()) {
+      log.replaceLast(integrator.here());
+    } else {
+      log.add(integrator.here(), integrator.elapsed());
     }
-    buffer.points.push_back(integrator.here());
-    buffer.times.push_back(integrator.elapsed());
   }
   void end(int lane, std::size_t trace, const TraceEnd& traceEnd) {
+    const PointLog& log = logs[lane];
     traces->ends[trace] = traceEnd;
-    traces->offsets[trace + 1] = buffers[lane].points.size() - buffers[lane].first;
-    pieces[trace % kGroup] = {lane, buffers[lane].first};
+    traces->offsets[trace + 1] = log.size() - first[lane];
+    (*pieces)[trace] = {&log, first[lane]};
   }
 };
 
@@ -129,17 +192,19 @@ Traces traceStreamlines(const FlatFaces& faces, const VectorField& field, const 
   Traces result;
   result.ends.resize(seeds.size());
   result.offsets.assign(seeds.size() + 1, 0);
-  std::vector<PointKeeper> keepers(streamlines.groupCount(), PointKeeper{.traces = &result, .seeds = &seeds});
+  std::vector<Piece> pieces(seeds.size());
+  std::vector<PointKeeper> keepers(streamlines.keeperCount());
+  for (PointKeeper& keeper : keepers) {
+    keeper.traces = &result;
+    keeper.pieces = &pieces;
+  }
   streamlines.trace(keepers, progress);
   std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());
   result.points.resize(result.offsets.back());
   result.times.resize(result.offsets.back());
   tbb::parallel_for(std::size_t{0}, seeds.size(), [&](std::size_t i) {
-    const auto [lane, first] = keepers[i / kGroup].pieces[i % kGroup];
-    const PointKeeper::Buffer& from = keepers[i / kGroup].buffers[lane];
     const std::size_t to = result.offsets[i], count = result.offsets[i + 1] - to;
-    std::copy_n(from.points.data() + first, count, result.points.data() + to);
-    std::copy_n(from.times.data() + first, count, result.times.data() + to);
+    pieces[i].log->copy(pieces[i].first, count, result.points.data() + to, result.times.data() + to);
   });
   return result;
 }
@@ -149,7 +214,7 @@ std::vector<TraceEnd> traceStreamlineEnds(const FlatFaces& faces, const VectorFi
                                           Progress* progress) {
   const Streamlines streamlines(faces, field, seeds, options);
   std::vector<TraceEnd> ends(seeds.size());
-  std::vector<EndKeeper> keepers(streamlines.groupCount(), EndKeeper{.ends = &ends});
+  std::vector<EndKeeper> keepers(streamlines.keeperCount(), EndKeeper{&ends});
   streamlines.trace(keepers, progress);
   return ends;
 }
