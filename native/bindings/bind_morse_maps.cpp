@@ -3,7 +3,7 @@
 #include "bindings/bindings.h"
 #include "bindings/job.h"
 #include "combinatorial/geometry_map.h"
-#include "morse/spatial_tau_map.h"
+#include "morse/tau_map.h"
 
 namespace stormfield::bindings {
 namespace {

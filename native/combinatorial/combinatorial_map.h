@@ -14,4 +14,17 @@ struct CombinatorialMap {
   Index outside() const { return graph.nodeCount() - 1; }
 };
 
+/// The map of all faces' rows, each a range of targets that ascend.
+template <typename Row>
+CombinatorialMap mapOf(const std::vector<Row>& rows) {
+  CombinatorialMap map;
+  auto& [offsets, targets] = map.graph;
+  offsets.reserve(rows.size() + 2);
+  for (const Row& row : rows) offsets.push_back(offsets.back() + static_cast<std::size_t>(row.end() - row.begin()));
+  offsets.push_back(offsets.back());  // outside leads nowhere
+  targets.reserve(offsets.back());
+  for (const Row& row : rows) targets.insert(targets.end(), row.begin(), row.end());
+  return map;
+}
+
 }  // namespace stormfield

@@ -38,6 +38,8 @@ struct Row {
   std::array<Index, 4> targets{};
   int count = 0;
 
+  const Index* begin() const { return targets.data(); }
+  const Index* end() const { return targets.data() + count; }
   void add(Index target) {
     int at = count;
     while (at > 0 && targets[at - 1] > target) --at;
@@ -88,18 +90,7 @@ CombinatorialMap geometryMap(const VectorField& field) {
   std::vector<Row> rows(mesh.faceCount());
   tbb::parallel_for(Index{0}, mesh.faceCount(),
                     [&](Index f) { rows[f] = rowOf(mesh, crossings, f, indices[f] != 0 || hasZeroCorner(field, f)); });
-
-  CombinatorialMap map;
-  std::vector<std::size_t>& offsets = map.graph.offsets;
-  offsets.resize(rows.size() + 2);
-  for (std::size_t f = 0; f < rows.size(); ++f) offsets[f + 1] = offsets[f] + rows[f].count;
-  offsets.back() = offsets[rows.size()];  // outside leads nowhere
-  map.graph.targets.resize(offsets.back());
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t f) {
-    const Row& row = rows[f];
-    std::copy_n(row.targets.begin(), row.count, map.graph.targets.begin() + static_cast<std::ptrdiff_t>(offsets[f]));
-  });
-  return map;
+  return mapOf(rows);
 }
 
 }  // namespace stormfield

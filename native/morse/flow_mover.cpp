@@ -104,6 +104,7 @@ class FlowMover final : public Mover {
     }
   }
 
+  static_assert(FaceSteps::kCount <= Moves::kLanes);
   struct SideBySide {
     FlowMover& mover;
     Moves& moves;

@@ -7,7 +7,6 @@
 #include "base/progress.h"
 #include "morse/tau_map.h"
 #include "tracing/face_flow.h"
-#include "tracing/face_path.h"
 #include "tracing/trace.h"
 
 namespace stormfield {
@@ -28,7 +27,7 @@ struct Passage {
 /// other.
 class Moves {
  public:
-  static constexpr int kLanes = FaceSteps::kCount;
+  static constexpr int kLanes = 32;  ///< at most
 
   virtual ~Moves() = default;
   /// The lane's next point and how far to move it; false where there is none now.

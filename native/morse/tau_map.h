@@ -32,7 +32,7 @@ struct TauMapOptions {
   /// Largest estimated error of one step of a trace, in mean edge lengths.
   double tolerance = 1e-5;
   /// Bytes that F and the work on it may take; none: half of the memory of the machine.
-  std::optional<std::size_t> memoryLimit;
+  std::optional<std::size_t> memoryLimit{};
 };
 
 /// What the work took.

@@ -12,7 +12,7 @@
 #include "data_sets.h"
 #include "fixtures.h"
 #include "morse/flow_mover.h"
-#include "morse/spatial_tau_map.h"
+#include "morse/tau_map.h"
 
 namespace stormfield::test {
 namespace {
@@ -186,7 +186,7 @@ TEST(TauMap, EnclosesWhatPassesTheBoundaryWhereAllEdgesLeave) {
   const FlatFaces faces(charts);
   const VectorField field = smoothField(charts);
   const double tau = startingTau(field, TauUnit::Length, 0.3);
-  const CombinatorialMap map = spatialTauMap(faces, field, tau);
+  const CombinatorialMap map = tauMap(faces, field, tau, {.unit = TauUnit::Length});
   const TauFlow flow(faces, field, TauUnit::Length, 1e-8);
   const SurfacePoint passing{4, {0.8777, 0.0992, 0.0231}};
   const Arrival end = flow.mover(Direction::Forward, nullptr)->move(passing, tau);
@@ -233,9 +233,9 @@ TEST(TauMap, SpatialTauIsTheTauMapByLength) {
   const auto charts = makeCharts(icosphere(3));
   const FlatFaces faces(charts);
   VectorField field = smoothField(charts);
-  const CombinatorialMap map = spatialTauMap(faces, field, 0.2);
+  const CombinatorialMap map = tauMap(faces, field, 0.2, {.unit = TauUnit::Length});
   for (Complex& v : field.values) v *= 8.0;  // a power of two: the same bits
-  const CombinatorialMap faster = spatialTauMap(faces, field, 0.2);
+  const CombinatorialMap faster = tauMap(faces, field, 0.2, {.unit = TauUnit::Length});
   EXPECT_EQ(map.graph.targets, faster.graph.targets);
 }
 
