@@ -57,7 +57,8 @@ SpaceTimeResult DesignSolver::solve(const std::vector<DesignElement>& elements, 
   ElementOptions elementOptions;
   elementOptions.samples = options_.samples;
   elementOptions.lambdaPerSecond = options_.lambdaPerSecond;
-  const ConstraintSet constraints = elementConstraints(charts_, elements, elementOptions, &progress);
+  if (static_cast<int>(maps_.size()) <= field) maps_.resize(field + 1);
+  const ConstraintSet constraints = elementConstraints(charts_, elements, elementOptions, &progress, &maps_[field]);
   progress.range(begin + kConstraintsPart * (end - begin), end);
   if (static_cast<int>(states_.size()) <= field) states_.resize(field + 1);
   SpaceTimeResult result = solver_.solve(constraints, progress, states_[field]);

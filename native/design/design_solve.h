@@ -19,8 +19,8 @@ struct DesignOptions {
 };
 
 /// Keeps what solves on one mesh share, and what each leaves for the next: some five vectors of single precision
-/// unknowns per field. A solver that is new starts from zero, and its results depend on nothing but their arguments;
-/// after that, fields are the same to the tolerance, but not to the bit.
+/// unknowns per field, and log maps, two and a half at most. A solver that is new starts from zero, and its results
+/// depend on nothing but their arguments; after that, fields are the same to the tolerance, but not to the bit.
 class DesignSolver {
  public:
   /// Throws InputError for options out of range.
@@ -40,6 +40,7 @@ class DesignSolver {
   DesignOptions options_;
   SpaceTimeSolver solver_;
   std::vector<SpaceTimeState> states_;  ///< per field
+  std::vector<LogMapCache> maps_;       ///< per field
 };
 
 }  // namespace stormfield

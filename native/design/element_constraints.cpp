@@ -107,7 +107,7 @@ std::vector<double> lambdaSamples(Index samples) {
 
 ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& charts,
                                  const std::vector<DesignElement>& given, const ElementOptions& options,
-                                 Progress* progress) {
+                                 Progress* progress, LogMapCache* kept) {
   checkElements(given);
   if (options.samples < 1)
     throw InputError("the design has " + std::to_string(options.samples) + " samples: give at least 1");
@@ -131,12 +131,18 @@ ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& char
   std::vector<std::exception_ptr> faults(lambdas.size());
   std::mutex reporting;
   std::size_t done = 0;
+  // Entries take five times as much memory as unknowns: two and a half vectors of them at most.
+  const std::size_t mostKept = static_cast<std::size_t>(mesh.vertexCount()) / 2;
+  if (kept) kept->start(lambdas.size());
   tbb::parallel_for(std::size_t{0}, lambdas.size(), [&](std::size_t j) {
     try {
       if (progress) progress->check();
       std::vector<Target> sample;
-      singular.addAt(lambdas[j], step, scratch.local(), sample);
-      for (const OtherTargets& other : others) other.addAt(lambdas[j], step, scratch.local(), sample);
+      LogMapScratch& own = scratch.local();
+      own.useKept(kept ? &(*kept)[j] : nullptr);
+      singular.addAt(lambdas[j], step, own, sample);
+      for (const OtherTargets& other : others) other.addAt(lambdas[j], step, own, sample);
+      if (kept) (*kept)[j].keepUsed(mostKept);
       targets[j] = Sample(elements, lambdas[j]).reduce(std::move(sample));
       const std::lock_guard lock(reporting);
       if (progress) progress->report(static_cast<double>(++done) / static_cast<double>(lambdas.size()));

@@ -13,6 +13,7 @@
 
 #include "base/progress.h"
 #include "design/element.h"
+#include "design/log_map_cache.h"
 #include "mesh/vertex_charts.h"
 #include "solver/constraint.h"
 
@@ -32,9 +33,10 @@ std::vector<double> lambdaSamples(Index samples);
 
 /// Sorted by sample, then vertex; the same for any number of threads. Throws InputError as checkElements does, when a
 /// point lies off the surface, when storms meet in a way that cannot be joined, and when the cores of two elements ask
-/// for contradicting vectors at one vertex and lambda (names both); Cancelled through progress.
+/// for contradicting vectors at one vertex and lambda (names both); Cancelled through progress. kept: maps from the
+/// designs before it, and for those after it.
 ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& charts,
                                  const std::vector<DesignElement>& elements, const ElementOptions& options,
-                                 Progress* progress = nullptr);
+                                 Progress* progress = nullptr, LogMapCache* kept = nullptr);
 
 }  // namespace stormfield

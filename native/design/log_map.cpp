@@ -7,6 +7,8 @@
 #include <numbers>
 #include <queue>
 
+#include "design/log_map_cache.h"
+
 namespace stormfield {
 
 namespace {
@@ -105,6 +107,19 @@ double LogMap::distance(const TriangleMesh& mesh, const SurfacePoint& p) const {
   return sum;
 }
 
+bool LogMap::reaches(const SurfacePoint& from, double asFar) const {
+  return source.face == from.face && source.barycentric == from.barycentric && asFar <= radius;
+}
+
+LogMap LogMap::within(const TriangleMesh& mesh, double asFar) const {
+  LogMap map{source, asFar, {}};
+  const auto face = mesh.triangles().row(source.face).array();
+  for (const LogMapEntry& entry : entries) {
+    if (entry.distance < asFar || (face == entry.vertex).any()) map.entries.push_back(entry);
+  }
+  return map;
+}
+
 LogMapScratch::LogMapScratch(const TriangleMesh& mesh)
     : state_(static_cast<std::size_t>(mesh.vertexCount())), finished_(static_cast<std::size_t>(mesh.vertexCount()), 0) {
   for (LogMapEntry& entry : state_) entry.distance = kFar;
@@ -164,7 +179,7 @@ LogMap logMap(const VertexCharts& charts, const SurfacePoint& source, double rad
     }
   }
 
-  LogMap map{source, {}};
+  LogMap map{source, radius, {}};
   for (const Index v : touched) {
     const bool corner = mesh.vertex(f, 0) == v || mesh.vertex(f, 1) == v || mesh.vertex(f, 2) == v;
     if (corner || (scratch.finished_[v] && state[v].distance < radius)) map.entries.push_back(state[v]);
@@ -179,18 +194,22 @@ LogMap logMap(const VertexCharts& charts, const SurfacePoint& source, double rad
 
 std::shared_ptr<const LogMap> recentLogMap(const VertexCharts& charts, const SurfacePoint& source, double radius,
                                            LogMapScratch& scratch) {
-  constexpr std::size_t kKept = 8;
-  std::vector<LogMapScratch::Recent>& recent = scratch.recent_;
-  const auto found = std::find_if(recent.begin(), recent.end(), [&](const LogMapScratch::Recent& r) {
-    return r.radius == radius && r.map->source.face == source.face && r.map->source.barycentric == source.barycentric;
+  constexpr std::size_t kRecent = 8;
+  if (scratch.kept_) {
+    if (std::shared_ptr<const LogMap> map = scratch.kept_->find(charts.mesh(), source, radius)) return map;
+  }
+  std::vector<std::shared_ptr<const LogMap>>& recent = scratch.recent_;
+  const auto found = std::find_if(recent.begin(), recent.end(), [&](const std::shared_ptr<const LogMap>& map) {
+    return map->radius == radius && map->reaches(source, radius);
   });
   if (found != recent.end()) {
     std::rotate(recent.begin(), found, found + 1);
   } else {
-    if (recent.size() == kKept) recent.pop_back();
-    recent.insert(recent.begin(), {radius, std::make_shared<const LogMap>(logMap(charts, source, radius, scratch))});
+    if (recent.size() == kRecent) recent.pop_back();
+    recent.insert(recent.begin(), std::make_shared<const LogMap>(logMap(charts, source, radius, scratch)));
   }
-  return recent.front().map;
+  if (scratch.kept_) scratch.kept_->add(recent.front());
+  return recent.front();
 }
 
 }  // namespace stormfield

@@ -31,13 +31,21 @@ struct LogMapEntry {
 
 struct LogMap {
   SurfacePoint source;
+  double radius = 0.0;
   std::vector<LogMapEntry> entries;  ///< by vertex
 
   /// Entry of a vertex, or null when it was not reached.
   const LogMapEntry* find(Index vertex) const;
   /// Distance to a point, or infinity when its face was not reached.
   double distance(const TriangleMesh& mesh, const SurfacePoint& p) const;
+
+  /// Whether it holds the map of that source and radius.
+  bool reaches(const SurfacePoint& from, double asFar) const;
+  /// That map, bit for bit.
+  LogMap within(const TriangleMesh& mesh, double asFar) const;
 };
+
+class SampleLogMaps;
 
 /// Arrays of one number per vertex that many maps share, and the last few maps: what stands still over many samples of
 /// lambda has one map. One per thread.
@@ -45,22 +53,22 @@ class LogMapScratch {
  public:
   explicit LogMapScratch(const TriangleMesh& mesh);
 
+  /// Maps that recentLogMap shall look among and add to from now on; null: none.
+  void useKept(SampleLogMaps* maps) { kept_ = maps; }
+
  private:
-  struct Recent {
-    double radius = 0.0;
-    std::shared_ptr<const LogMap> map;
-  };
   friend LogMap logMap(const VertexCharts&, const SurfacePoint&, double, LogMapScratch&);
   friend std::shared_ptr<const LogMap> recentLogMap(const VertexCharts&, const SurfacePoint&, double, LogMapScratch&);
   std::vector<LogMapEntry> state_;
   std::vector<char> finished_;
-  std::vector<Recent> recent_;  ///< the last one used first
+  std::vector<std::shared_ptr<const LogMap>> recent_;  ///< the last one used first
+  SampleLogMaps* kept_ = nullptr;
 };
 
 /// All vertices closer than the radius, and always the corners of the source's face.
 LogMap logMap(const VertexCharts& charts, const SurfacePoint& source, double radius, LogMapScratch& scratch);
 
-/// The same, from the last few maps of the scratch where it is among them.
+/// The same, from the kept maps or the last few of the scratch where it is among them.
 std::shared_ptr<const LogMap> recentLogMap(const VertexCharts& charts, const SurfacePoint& source, double radius,
                                            LogMapScratch& scratch);
 

@@ -200,22 +200,23 @@ double SingularTargets::addPair(Present a, Present b, LogMapScratch& scratch, st
   const double touching = a.state.radius + b.state.radius;
   if (chord >= touching) return 1.0;
   const double largest = std::max({a.state.radius, b.state.radius, pair.single.radius});
-  const LogMap mapA =
-      logMap(charts_, a.state.point, largest + std::min(touching, kDetour * chord + kCloseEdges * edge), scratch);
-  pair.distance = mapA.distance(mesh, b.state.point);
+  const double reach = largest + std::min(touching, kDetour * chord + kCloseEdges * edge);
+  const std::shared_ptr<const LogMap> mapA = recentLogMap(charts_, a.state.point, reach, scratch);
+  pair.distance = mapA->distance(mesh, b.state.point);
   const double joint = pair.joint();
   if (!(joint > 0.0)) return 1.0;
-  const LogMap mapB = logMap(charts_, b.state.point, pair.distance + largest, scratch);
+  const double far = pair.distance + largest;
+  const std::shared_ptr<const LogMap> mapB = recentLogMap(charts_, b.state.point, far, scratch);
   const double touch = a.state.radius / (a.state.radius + b.state.radius);
   const double part = touch + pair.closeness() * (0.5 - touch);
-  const SurfacePoint saddle = placed ? placed->saddle : between(mesh, query_, mapA, mapB, pair.distance, part);
-  const LogMap mapSaddle = logMap(charts_, saddle, pair.distance + largest, scratch);
+  const SurfacePoint saddle = placed ? placed->saddle : between(mesh, query_, *mapA, *mapB, pair.distance, part);
+  const std::shared_ptr<const LogMap> mapSaddle = recentLogMap(charts_, saddle, far, scratch);
   const double share = joint * std::min(a.share, b.share);
   // Three zeros a few edges apart stand less smoothing than one.
   constexpr double kFirmWhenClose = 30.0;
   const double firm = 1.0 + kFirmWhenClose * pair.closeness();
-  for (const PairTarget& t : pairTargets(mesh, pair, mapA, mapB, mapSaddle)) {
-    const bool nearerA = mapA.find(t.vertex)->distance <= mapB.find(t.vertex)->distance;
+  for (const PairTarget& t : pairTargets(mesh, pair, *mapA, *mapB, *mapSaddle)) {
+    const bool nearerA = mapA->find(t.vertex)->distance <= mapB->find(t.vertex)->distance;
     targets.push_back({t.vertex, t.value, firm * density(t.scale) * t.cover * share, t.cover * share, t.core,
                        (nearerA ? a : b).storm->element});
   }

@@ -242,5 +242,44 @@ TEST(Elements, CanBeCancelled) {
   EXPECT_THROW(elementConstraints(surfaces::square(5), {source()}, {}, &progress), Cancelled);
 }
 
+TEST(Elements, KeptLogMapsChangeNothing) {
+  const auto charts = surfaces::sphere(12);
+  const double r = charts->mesh().point(0).norm();
+  const auto at = [&](double angle, double height) {
+    const double across = std::sqrt(1.0 - height * height);
+    return Vec3(r * across * std::cos(angle), r * across * std::sin(angle), r * height);
+  };
+  std::vector<DesignElement> elements =
+      storms::merge(SingularKind::VortexCcw, at(-0.8, 0.0), at(0.8, 0.0), at(0.0, 0.3), at(0.0, 0.7), 0.3);
+  elements.push_back(singular("still", SingularKind::Saddle, {at(3.0, 0.0)}, {0.0, 1.0}, 0.4));
+  elements.push_back(singular("moving", SingularKind::Source, {at(2.0, -0.5), at(3.0, -0.6)}, {0.1, 0.9}, 0.3));
+  ElementOptions options;
+  LogMapCache kept;
+  const auto check = [&] {
+    const ConstraintSet anew = elementConstraints(charts, elements, options);
+    const ConstraintSet set = elementConstraints(charts, elements, options, nullptr, &kept);
+    EXPECT_EQ(set.vertex, anew.vertex);
+    EXPECT_EQ(set.sample, anew.sample);
+    EXPECT_EQ(set.value, anew.value);
+    EXPECT_EQ(set.weight, anew.weight);
+    EXPECT_EQ(set.element, anew.element);
+  };
+  options.samples = 12;
+  check();
+  check();
+  elements[4].points[0] = at(2.1, -0.4);
+  check();
+  elements[0].points[0] = at(-0.7, 0.1);
+  check();
+  elements[3].radius = 0.35;
+  check();
+  elements.push_back(singular("in its way", SingularKind::Sink, {at(3.0, 0.0)}, {0.0, 1.0}, 0.4));
+  EXPECT_THROW(elementConstraints(charts, elements, options, nullptr, &kept), InputError);
+  elements.pop_back();
+  check();
+  options.samples = 7;
+  check();
+}
+
 }  // namespace
 }  // namespace stormfield

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "design/log_map_cache.h"
 #include "tracing/surfaces.h"
 
 namespace stormfield {
@@ -91,6 +92,51 @@ TEST(LogMap, WorksAtVerticesEdgesAndCubeCorners) {
       EXPECT_LT(entry.distance, 3.0);
     }
   }
+}
+
+TEST(LogMap, IsPartOfAnyLargerOne) {
+  const auto charts = surfaces::torus(40, 20, 0.4, 0.2);
+  const TriangleMesh& mesh = charts->mesh();
+  LogMapScratch scratch(mesh);
+  for (const Index f : {0, 77, 900}) {
+    const LogMap large = logMap(*charts, inFace(f), 1.0, scratch);
+    for (const double radius : {1e-6, 0.05, 0.3, 0.77, 1.0}) {
+      ASSERT_TRUE(large.reaches(inFace(f), radius));
+      const LogMap small = logMap(*charts, inFace(f), radius, scratch), part = large.within(mesh, radius);
+      EXPECT_EQ(part.radius, radius);
+      ASSERT_EQ(part.entries.size(), small.entries.size());
+      for (std::size_t k = 0; k < small.entries.size(); ++k) {
+        EXPECT_EQ(part.entries[k].vertex, small.entries[k].vertex);
+        EXPECT_EQ(part.entries[k].distance, small.entries[k].distance);
+        EXPECT_EQ(part.entries[k].angle, small.entries[k].angle);
+        EXPECT_EQ(part.entries[k].arrival, small.entries[k].arrival);
+      }
+    }
+    EXPECT_FALSE(large.reaches(inFace(f), 1.01));
+    EXPECT_FALSE(large.reaches(inFace(f + 1), 0.1));
+  }
+}
+
+TEST(LogMapCache, KeepsWhatTheLastDesignUsedAsFarAsItFits) {
+  const auto charts = surfaces::sphere(8);
+  LogMapScratch scratch(charts->mesh());
+  LogMapCache kept;
+  kept.start(1);
+  scratch.useKept(&kept[0]);
+  const auto map = [&](Index f, double radius) { return recentLogMap(*charts, inFace(f), radius, scratch).get(); };
+  const LogMap *a = map(3, 0.5), *b = map(70, 0.5);
+  kept[0].keepUsed(1000);
+  kept.start(1);
+  EXPECT_EQ(map(3, 0.5), a);
+  kept[0].keepUsed(1000);
+  kept.start(1);
+  EXPECT_EQ(kept[0].find(charts->mesh(), inFace(70), 0.5), nullptr) << "not used by the last design";
+  EXPECT_EQ(map(70, 0.5), b) << "from the recent ones";
+  EXPECT_EQ(map(3, 0.5), a);
+  kept[0].keepUsed(b->entries.size());
+  kept.start(1);
+  EXPECT_EQ(kept[0].find(charts->mesh(), inFace(3), 0.5), nullptr) << "did not fit";
+  EXPECT_NE(kept[0].find(charts->mesh(), inFace(70), 0.5), nullptr);
 }
 
 }  // namespace
