@@ -28,11 +28,13 @@ ParameterizedField history(Index n, bool rough) {
   };
   const std::vector<Complex> a = averaged(1), b = averaged(2);
   ParameterizedField field{charts, test::evenLambdas(100), {}};
+  std::vector<Complex> values;
   for (const double lambda : field.lambdas) {
     for (std::size_t v = 0; v < a.size(); ++v) {
-      field.values.push_back(std::cos(6.0 * lambda) * a[v] + std::sin(6.0 * lambda) * b[v]);
+      values.push_back(std::cos(6.0 * lambda) * a[v] + std::sin(6.0 * lambda) * b[v]);
     }
   }
+  field.values = values;
   return field;
 }
 
