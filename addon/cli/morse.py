@@ -20,7 +20,7 @@ from .progress import progress
     help="Map of the faces: directions across edges, flow for a time, flow for a length.",
 )
 @click.option("--tau", type=float, help="Seconds (tau) or mesh units (spatial).  [default: a few edges]")
-@click.option("--refine", is_flag=True, help="Refine coarse sets by ever larger tau, beginning with --tau.")
+@click.option("--refine", is_flag=True, help="Refine coarse sets by larger tau (geometry: smaller pieces of edges).")
 @click.option("--tau-max", type=float, help="Largest tau of a refinement.")
 @click.option("--seconds", type=float, help="Time after which a refinement stops.")
 @click.option("--eps", type=float, default=0.0, help="Bound on the error of the vectors, mesh units per second.")

@@ -23,7 +23,10 @@ struct MorseSetView {
   Index set;
 
   const MorseSet& data() const { return output->analysis.decomposition.sets[set]; }
-  const std::vector<Index>& faces() const { return output->analysis.decomposition.faces.faces(set); }
+  const std::vector<Index>& faces() const {
+    const MorseDecomposition& morse = output->analysis.decomposition;
+    return morse.covers.empty() ? morse.faces.faces(set) : morse.covers[set];
+  }
 };
 
 std::vector<double> inputWeights(const py::object& weights, Index vertices) {
@@ -33,7 +36,7 @@ std::vector<double> inputWeights(const py::object& weights, Index vertices) {
 
 MorseOutput analyzed(const MeshPointer& mesh, const VectorField& field, const MorseAnalysisOptions& options,
                      Progress& progress) {
-  const bool traces = options.method != MorseMethod::Geometry;
+  const bool traces = options.method != MorseMethod::Geometry || options.refine;
   return {mesh, analyzeMorse(traces ? mesh->flatFaces() : nullptr, field, options, progress)};
 }
 
@@ -85,7 +88,7 @@ py::array_t<Index> edgesOf(const MorseOutput& output) {
   return result;
 }
 
-py::array_t<Index> connectionFaces(const MorseOutput& output, Index source, Index target) {
+py::array_t<Index> facesBetween(const MorseOutput& output, Index source, Index target) {
   const MorseAnalysis& analysis = output.analysis;
   const Index count = analysis.decomposition.faces.count();
   for (const Index set : {source, target}) {
@@ -94,7 +97,7 @@ py::array_t<Index> connectionFaces(const MorseOutput& output, Index source, Inde
   std::vector<Index> faces;
   {
     const py::gil_scoped_release release;
-    faces = connectionRegion(*analysis.map, analysis.decomposition.faces, source, target);
+    faces = connectionFaces(analysis, source, target);
   }
   return copied(faces);
 }
@@ -115,7 +118,9 @@ std::optional<double> persistenceOf(const MorseSetView& set) {
 void bindSet(py::module_& m) {
   py::class_<MorseSetView>(m, "MorseSet", py::module_local(), "Faces that enclose recurrence. Immutable.")
       .def_property_readonly(
-          "faces", [](const MorseSetView& s) { return copied(s.faces()); }, "(k,) int32, ascending.")
+          "faces", [](const MorseSetView& s) { return copied(s.faces()); },
+          "(k,) int32, ascending. Of a refined geometry-based decomposition, all faces that it meets: several sets may "
+          "share one.")
       .def_property_readonly(
           "conley",
           [](const MorseSetView& s) {
@@ -156,7 +161,7 @@ void bindDecomposition(py::module_& m) {
           "sets", [](const std::shared_ptr<MorseOutput>& o) { return setsOf(o); }, "List of MorseSet.")
       .def_property_readonly(
           "face_sets", [](const MorseOutput& o) { return copied(o.analysis.decomposition.faces.setOf()); },
-          "(m,) int32: per face its set, -1 for none.")
+          "(m,) int32: per face its set, -1 for none. A face that several sets meet counts to one of them.")
       .def_property_readonly("edges", &edgesOf,
                              "(k, 2) int32: the least edges of the Morse connection graph; flow leads from the first "
                              "set to the second.")
@@ -184,7 +189,7 @@ void bindDecomposition(py::module_& m) {
           [](const MorseOutput& o) {
             return o.analysis.stop ? std::optional<std::string>(name(*o.analysis.stop)) : std::nullopt;
           },
-          "Why a refinement went no further: done, steps, time or cancelled; None for others.")
+          "Why a refinement went no further: done, steps, time, memory or cancelled; None for others.")
       .def_property_readonly(
           "eps", [](const MorseOutput& o) { return o.analysis.epsilon; },
           "Bound on the error of the vectors, mesh units per second.")
@@ -200,7 +205,7 @@ void bindDecomposition(py::module_& m) {
           "start_refine_set", [](const std::shared_ptr<MorseOutput>& o, Index set) { return startRefineSet(o, set); },
           py::arg("set"),
           "Start to refine one set of a refined decomposition, or of one by geometry with eps 0 -> MorseJob.")
-      .def("connection_faces", &connectionFaces, py::arg("source"), py::arg("target"),
+      .def("connection_faces", &facesBetween, py::arg("source"), py::arg("target"),
            "(k,) int32: faces on a way from one set to another, without theirs; empty when none leads there.")
       .def("__repr__", [](const MorseOutput& o) {
         return message("<MorseDecomposition by ", name(o.analysis.method), ": ", o.analysis.decomposition.faces.count(),
@@ -224,9 +229,9 @@ void bind_morse(py::module_& m) {
       "method: geometry, tau or spatial. tau: seconds, or mesh units for spatial (None: found from the field).\n"
       "eps: bound on the error of the vectors, in mesh units per second, or mean speeds with relative; geometry only.\n"
       "weights: (n,) float64 >= 0, factors of eps at the vertices. persistence: whether to find when sets merge.\n"
-      "refine: tau and spatial only; refine coarse sets by ever larger tau, from tau up to tau_max, for at most so "
-      "many\n"
-      "seconds; a cancelled refinement returns the sets it has come to.\n"
+      "refine: refine coarse sets, for at most so many seconds: tau and spatial by ever larger tau, from tau up to\n"
+      "tau_max, geometry by ever smaller pieces of edges, also inside faces; a cancelled refinement returns the sets\n"
+      "it has come to.\n"
       "keep_empty: keep sets that provably hold no recurrence. trivial: keep sets of trivial index, whose recurrence\n"
       "(pairs that cancel) nearby fields may not have. Raises InputError (at once, or from result()).");
   m.def(

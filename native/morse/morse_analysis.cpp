@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "base/error.h"
@@ -122,6 +123,33 @@ void analyzeByRefinement(MorseAnalysis& analysis, const std::shared_ptr<const Fl
   takeRefinement(analysis, refinement);
 }
 
+void takeTransits(MorseAnalysis& analysis, std::shared_ptr<const TransitRefinement> transits) {
+  analysis.transits = std::move(transits);
+  Progress own;
+  analysis.seconds.sets = timed([&] {
+    TransitDecomposition found = analysis.transits->decomposition(analysis.keepEmpty, analysis.keepTrivial, own);
+    analysis.decomposition = std::move(found.morse);
+    analysis.map = std::make_shared<const CombinatorialMap>(std::move(found.map));
+    analysis.nodes = std::move(found.nodes);
+  });
+}
+
+void analyzeByTransits(MorseAnalysis& analysis, const std::shared_ptr<const FlatFaces>& faces,
+                       const MorseAnalysisOptions& options, Progress& progress) {
+  if (analysis.epsilon > 0.0) throw InputError("a refined decomposition has no error bound; set eps to 0");
+  if (!(options.maximalSeconds > 0.0)) {
+    throw InputError(message("the limit of time is ", options.maximalSeconds, " s; give a positive number"));
+  }
+  TransitOptions transitOptions;
+  transitOptions.maximalSeconds = options.maximalSeconds;
+  std::shared_ptr<TransitRefinement> transits;
+  analysis.seconds.map = timed([&] {
+    transits = std::make_shared<TransitRefinement>(faces, analysis.field, transitOptions, &progress);
+    analysis.stop = transits->refine(&progress);
+  });
+  takeTransits(analysis, transits);
+}
+
 }  // namespace
 
 const char* name(MorseMethod method) {
@@ -149,6 +177,8 @@ const char* name(RefinementStop stop) {
       return "steps";
     case RefinementStop::Time:
       return "time";
+    case RefinementStop::Memory:
+      return "memory";
     case RefinementStop::Cancelled:
       return "cancelled";
     case RefinementStop::Done:
@@ -167,16 +197,21 @@ MorseAnalysis analyzeMorse(const std::shared_ptr<const FlatFaces>& faces, const 
   analysis.epsilon = options.relativeEpsilon ? options.epsilon * meanSpeed(field) : options.epsilon;
   analysis.field = std::make_shared<const VectorField>(field);
   if (options.method == MorseMethod::Geometry) {
-    if (options.tau || options.refine || options.tauMax) {
-      throw InputError("the method 'geometry' has no tau and no refinement; leave them out, or choose tau or spatial");
+    if (options.tau || options.tauMax) {
+      throw InputError("the method 'geometry' has no tau; leave it out, or choose tau or spatial");
     }
-    analyzeGeometry(analysis, options, progress);
-    return analysis;
+    if (!options.refine) {
+      analyzeGeometry(analysis, options, progress);
+      return analysis;
+    }
+  } else {
+    checkFlowOptions(options);
   }
-  checkFlowOptions(options);
   if (!faces) throw InputError("maps of the flow need the faces laid out for tracing; give them");
   if (options.tauMax && !options.refine) throw InputError("tau_max is for refinement; set refine too, or leave it out");
-  if (options.refine) {
+  if (options.method == MorseMethod::Geometry) {
+    analyzeByTransits(analysis, faces, options, progress);
+  } else if (options.refine) {
     analyzeByRefinement(analysis, faces, options, progress);
   } else {
     analyzeFlow(analysis, *faces, options, progress);
@@ -188,7 +223,7 @@ MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTri
   checkEpsilon(epsilon);
   if (!analysis.bounded) {
     throw InputError(message("a decomposition by '", name(analysis.method),
-                             "' has no error bound; make one with the method 'geometry'"));
+                             "', or a refined one, has no error bound; make one with the method 'geometry' alone"));
   }
   MorseAnalysis result;
   result.method = analysis.method;
@@ -209,8 +244,8 @@ MorseAnalysis withSetRefined(const std::shared_ptr<const FlatFaces>& faces, cons
                              Progress& progress) {
   const Index count = analysis.decomposition.faces.count();
   if (set < 0 || set >= count) throw InputError(message("there is no Morse set ", set, "; there are ", count));
-  const bool plain = analysis.method == MorseMethod::Geometry && analysis.epsilon == 0.0;
-  if (!analysis.refinement && !plain) {
+  const bool plain = analysis.method == MorseMethod::Geometry && analysis.epsilon == 0.0 && !analysis.transits;
+  if (!analysis.refinement && !analysis.transits && !plain) {
     throw InputError("only a refined decomposition, or one by 'geometry' with eps 0, can be refined set by set");
   }
   MorseAnalysis result;
@@ -218,6 +253,12 @@ MorseAnalysis withSetRefined(const std::shared_ptr<const FlatFaces>& faces, cons
   result.keepEmpty = analysis.keepEmpty;
   result.keepTrivial = analysis.keepTrivial;
   result.field = analysis.field;
+  if (analysis.transits) {
+    const auto transits = std::make_shared<TransitRefinement>(*analysis.transits);
+    result.seconds.map = timed([&] { transits->refineNodes(analysis.nodes.faces(set), &progress); });
+    takeTransits(result, transits);
+    return result;
+  }
   MorseAnalysisOptions options;
   options.method = result.method;
   const auto refinement = analysis.refinement
@@ -228,6 +269,23 @@ MorseAnalysis withSetRefined(const std::shared_ptr<const FlatFaces>& faces, cons
     if (its != kNone) refinement->refineSet(its, &progress);
   });
   takeRefinement(result, refinement);
+  return result;
+}
+
+std::vector<Index> connectionFaces(const MorseAnalysis& analysis, Index from, Index to) {
+  if (!analysis.transits) return connectionRegion(*analysis.map, analysis.decomposition.faces, from, to);
+  std::vector<Index> faces, result;
+  for (const Index node : connectionRegion(*analysis.map, analysis.nodes, from, to)) {
+    analysis.transits->map().appendFaces(node, faces);
+  }
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  const auto isOf = [&](Index set, Index f) {
+    const std::vector<Index>& cover = analysis.decomposition.covers[set];
+    return std::binary_search(cover.begin(), cover.end(), f);
+  };
+  std::copy_if(faces.begin(), faces.end(), std::back_inserter(result),
+               [&](Index f) { return !isOf(from, f) && !isOf(to, f); });
   return result;
 }
 

@@ -17,6 +17,7 @@
 #include "morse/morse_decomposition.h"
 #include "morse/persistence.h"
 #include "morse/refinement.h"
+#include "morse/transit_refinement.h"
 #include "tracing/flat_faces.h"
 
 namespace stormfield {
@@ -35,9 +36,10 @@ struct MorseAnalysisOptions {
   MorseMethod method = MorseMethod::Geometry;
   /// Seconds, or mesh units for Spatial; none: startingTau. Geometry has none.
   std::optional<double> tau{};
-  /// Tau and Spatial: refine coarse sets step by step (thesis 8) instead of one tau everywhere; tau is then the first.
+  /// Refine coarse sets step by step (thesis 8): Tau and Spatial by ever larger tau, of which tau is then the first
+  /// (refinement.h), Geometry by ever smaller pieces of edges (transit_refinement.h).
   bool refine = false;
-  std::optional<double> tauMax{};  ///< with refine; none: refinement.h
+  std::optional<double> tauMax{};  ///< Tau and Spatial with refine; none: refinement.h
   /// With refine: seconds after which the sets so far are taken.
   double maximalSeconds = std::numeric_limits<double>::infinity();
   /// Bound on the error of the vectors, mesh units per second, or with relativeEpsilon in mean speeds of the field.
@@ -56,9 +58,11 @@ struct MorseAnalysis {
   bool keepEmpty = false, keepTrivial = true;
   std::shared_ptr<const VectorField> field;
   std::shared_ptr<const CombinatorialMap> map;
-  std::shared_ptr<const ErrorBoundedMap> bounded;     ///< Geometry only
+  std::shared_ptr<const ErrorBoundedMap> bounded;     ///< Geometry without refine only
   std::shared_ptr<const MergeLevels> levels;          ///< Geometry with persistence only
-  std::shared_ptr<const MorseRefinement> refinement;  ///< with refine only
+  std::shared_ptr<const MorseRefinement> refinement;  ///< Tau and Spatial with refine only
+  std::shared_ptr<const TransitRefinement> transits;  ///< Geometry with refine only
+  FaceSets nodes;                                     ///< of the map; Geometry with refine only: nodes of each set
   std::optional<RefinementStop> stop;                 ///< why it went no further
   MorseDecomposition decomposition;
   struct {
@@ -66,8 +70,8 @@ struct MorseAnalysis {
   } seconds;
 };
 
-/// faces: of the field's mesh; may be null for Geometry. Throws InputError for options that cannot be used or do not go
-/// together, and Cancelled; a refinement that is cancelled returns the sets it has come to.
+/// faces: of the field's mesh; may be null for Geometry without refine. Throws InputError for options that cannot be
+/// used or do not go together, and Cancelled; a refinement that is cancelled returns the sets it has come to.
 MorseAnalysis analyzeMorse(const std::shared_ptr<const FlatFaces>& faces, const VectorField& field,
                            const MorseAnalysisOptions& options, Progress& progress);
 
@@ -82,7 +86,10 @@ MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTri
 MorseAnalysis withSetRefined(const std::shared_ptr<const FlatFaces>& faces, const MorseAnalysis& analysis, Index set,
                              Progress& progress);
 
-/// Lower-case word: done, steps, time or cancelled.
+/// Faces, ascending, on a way of the map from one set to another, without those of the two sets.
+std::vector<Index> connectionFaces(const MorseAnalysis& analysis, Index from, Index to);
+
+/// Lower-case word: done, steps, time, memory or cancelled.
 const char* name(RefinementStop stop);
 
 }  // namespace stormfield

@@ -49,6 +49,8 @@ struct MorseSet {
 struct MorseDecomposition {
   FaceSets faces;              ///< numbered by their first faces
   std::vector<MorseSet> sets;  ///< one for each of faces
+  /// All faces that each set meets, where sets may be parted inside faces (transit_refinement.h); else empty.
+  std::vector<std::vector<Index>> covers;
   MorseConnectionGraph graph;
   std::size_t mapEdges = 0;  ///< edges of F
 };

@@ -3,15 +3,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
-#include <thread>
 #include <utility>
 
 #include "base/message.h"
 #include "combinatorial/geometry_map.h"
 #include "field/poincare_index.h"
+#include "morse/deadline.h"
 #include "morse/recurrence.h"
 #include "morse/tau_rows.h"
 
@@ -25,36 +24,6 @@ constexpr double kSlower = 0.5;
 /// Steps that an image is followed in, at most, and the turn of the field along a step.
 constexpr int kMostSteps = 128;
 constexpr double kTurnOfStep = 0.8;
-
-/// Cancels work when its time is over, or when the caller's progress is cancelled, to which it passes what is done.
-class Deadline {
- public:
-  Deadline(double seconds, Progress* caller) : caller_(caller) {
-    if (seconds == std::numeric_limits<double>::infinity()) return;
-    end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                              std::chrono::duration<double>(std::clamp(seconds, 0.0, kLongest)));
-    watched_ = std::make_unique<Progress>();
-    watcher_ = std::jthread([this](const std::stop_token& stop) {
-      while (!stop.stop_requested()) {
-        if (isOver() || (caller_ != nullptr && caller_->cancelled())) watched_->cancel();
-        if (caller_ != nullptr) caller_->report(watched_->fraction());
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      }
-    });
-  }
-
-  Progress* progress() const { return watched_ != nullptr ? watched_.get() : caller_; }
-  bool isOver() const { return watched_ != nullptr && Clock::now() >= end_; }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  static constexpr double kLongest = 1e9;
-
-  Progress* caller_;
-  Clock::time_point end_{};
-  std::unique_ptr<Progress> watched_;
-  std::jthread watcher_;
-};
 
 void checkTau(const std::optional<double>& tau, const char* name) {
   if (!tau || (*tau > 0.0 && std::isfinite(*tau))) return;
@@ -84,17 +53,6 @@ LocalParts splitSets(const FaceSets& sets, const std::vector<Index>& chosen,
   }
   parts.components = stronglyConnectedComponents(graph);
   return parts;
-}
-
-CombinatorialMap mapOf(const std::vector<std::vector<Index>>& rows) {
-  CombinatorialMap map;
-  auto& [offsets, targets] = map.graph;
-  offsets.assign(rows.size() + 2, 0);
-  for (std::size_t f = 0; f < rows.size(); ++f) offsets[f + 1] = offsets[f] + rows[f].size();
-  offsets.back() = offsets[rows.size()];
-  targets.reserve(offsets.back());
-  for (const auto& row : rows) targets.insert(targets.end(), row.begin(), row.end());
-  return map;
 }
 
 }  // namespace

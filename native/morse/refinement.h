@@ -40,6 +40,7 @@ enum class RefinementStop {
   Done,       ///< no set is left to refine
   Steps,      ///< maximalSteps were used
   Time,       ///< maximalSeconds have passed
+  Memory,     ///< more would not fit into the memory allowed
   Cancelled,  ///< the sets are those of the last complete round
 };
 

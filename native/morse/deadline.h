@@ -1,0 +1,44 @@
+// A limit of wall time for work that reports its progress.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <memory>
+#include <thread>
+
+#include "base/progress.h"
+
+namespace stormfield {
+
+/// Cancels work when its time is over, or when the caller's progress is cancelled, to which it passes what is done.
+class Deadline {
+ public:
+  Deadline(double seconds, Progress* caller) : caller_(caller) {
+    if (seconds == std::numeric_limits<double>::infinity()) return;
+    end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                              std::chrono::duration<double>(std::clamp(seconds, 0.0, kLongest)));
+    watched_ = std::make_unique<Progress>();
+    watcher_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        if (isOver() || (caller_ != nullptr && caller_->cancelled())) watched_->cancel();
+        if (caller_ != nullptr) caller_->report(watched_->fraction());
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+    });
+  }
+
+  Progress* progress() const { return watched_ != nullptr ? watched_.get() : caller_; }
+  bool isOver() const { return watched_ != nullptr && Clock::now() >= end_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr double kLongest = 1e9;
+
+  Progress* caller_;
+  Clock::time_point end_{};
+  std::unique_ptr<Progress> watched_;
+  std::jthread watcher_;
+};
+
+}  // namespace stormfield

@@ -1,0 +1,102 @@
+// The transit map: the geometry-based combinatorial map (thesis 2.4.2, 6.2) with pieces of edges for its nodes, which
+// remembers where flow enters a face.
+//
+// Every edge is cut into pieces that flow crosses in one direction. A piece leads to the pieces over which what enters
+// through it leaves the next face; what stays in a face, or comes from within, leads to or from its node of rest. The
+// transit map of a face is monotone (face_transit.h), so that the image of a piece lies on the arc of the face's
+// boundary between those of its two ends. It is enclosed to a slack of round-off size, not padded by what may happen
+// between samples, and halving a piece halves its image: what tau maps reach with longer times is reached by crossing
+// one face at a time. Rows depend on their own pieces alone, so that any order of halving leads to the same map.
+//
+// Faces with a fixed point on an edge or at a vertex are known by the directions across their edges only: whatever
+// enters leads to rest and to all exits.
+//
+//   TransitMap map(faces, field);
+//   map.halve(pieces);
+//   const CombinatorialMap whole = map.map();       // faces' nodes of rest, pieces, outside
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "base/progress.h"
+#include "combinatorial/combinatorial_map.h"
+#include "morse/face_transit.h"
+
+namespace stormfield {
+
+/// Part of an edge, from one fraction of its canonical halfedge to another.
+struct EdgePiece {
+  static constexpr Index kOutside = -1, kBothFaces = -2;
+
+  Index edge = kNone;
+  Index enters = kOutside;  ///< face
+  int level = 0;            ///< halvings
+  double from = 0.0, to = 1.0;
+  /// Where its ends leave the face that they enter (limits from within): FaceTransit's positions.
+  double imageFrom = FaceTransit::kRest, imageTo = FaceTransit::kRest;
+};
+
+class TransitMap {
+ public:
+  /// faces: of the field's mesh. Throws Cancelled.
+  TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
+             Progress* progress = nullptr);
+
+  const FaceTransit& transit() const { return *transit_; }
+  const TriangleMesh& mesh() const { return transit_->mesh(); }
+  /// Nodes: one of rest for each face, then the pieces, then outside.
+  Index pieceCount() const { return static_cast<Index>(pieces_.size()); }
+  Index nodeOf(Index piece) const { return mesh().faceCount() + piece; }
+  bool isPiece(Index node) const { return node >= mesh().faceCount() && node < outside(); }
+  const EdgePiece& piece(Index node) const { return pieces_[node - mesh().faceCount()]; }
+  Index outside() const { return mesh().faceCount() + pieceCount(); }
+
+  /// Halves the pieces of some nodes. The first half keeps the piece's node, the second gets a new one at the end;
+  /// returns for each of these the place in `nodes` of the first. All or nothing; throws Cancelled.
+  std::vector<std::size_t> halve(const std::vector<Index>& nodes, Progress* progress = nullptr);
+
+  /// The nodes that a node leads to, ascending.
+  void row(Index node, std::vector<Index>& targets) const;
+  CombinatorialMap map(Progress* progress = nullptr) const;
+  /// Appends the faces that a node lies in, or that flow enters through it.
+  void appendFaces(Index node, std::vector<Index>& faces) const;
+  std::size_t bytes() const { return sizeof(EdgePiece) * pieces_.capacity(); }
+
+ private:
+  /// A face with a fixed point: the continuous parts of its arcs of entry, where what comes to rest enters, and where
+  /// what comes from there leaves (single positions at a saddle).
+  struct Rest {
+    std::vector<TransitPart> parts;
+    std::vector<BoundaryArc> in, out;
+  };
+  struct Cut {
+    double to, imageFrom, imageTo;
+  };
+  using Cuts = std::vector<Cut>;
+
+  double positionIn(Index f, Index edge, double fraction) const;
+  void cut(const EdgePiece& piece, Cuts& cuts) const;
+  void cutAtJumps(const EdgePiece& piece, const Rest& rest, Cuts& cuts) const;
+  void findRests(Progress* progress);
+  template <typename Visit>
+  void eachExit(Index f, const BoundaryArc& arc, const Visit& visit) const;
+  void addExits(Index f, const EdgePiece& piece, std::vector<Index>& targets) const;
+  double touched(Index f, double position) const;
+  std::pair<double, double> jumpBetween(Index f, double first, double last) const;
+  void enter(Index f, const EdgePiece& piece, std::vector<Index>& targets) const;
+  bool meets(const std::vector<BoundaryArc>& arcs, Index f, const EdgePiece& piece) const;
+
+  static Rest restOf(const FaceTransit& transit, Index f);
+
+  std::shared_ptr<const FaceTransit> transit_;
+  std::vector<EdgePiece> pieces_;
+  std::vector<Index> order_;             ///< pieces edge by edge, along each
+  std::vector<std::size_t> offsets_{0};  ///< of the edges, in order_
+  std::vector<double> touches_;  ///< of each edge: what the trajectory through its turn, which touches it, goes on to
+  std::vector<Index> restSlot_;  ///< of each face, in rests_, or kNone
+  std::vector<Rest> rests_;
+};
+
+}  // namespace stormfield

@@ -1,0 +1,316 @@
+#include "morse/transit_refinement.h"
+
+#include <tbb/parallel_for.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "base/message.h"
+#include "morse/deadline.h"
+#include "morse/recurrence.h"
+
+namespace stormfield {
+namespace {
+
+/// A set that keeps this part of its pieces and more after all of them were halved has lost hardly any.
+constexpr double kHardlyAny = 0.9;
+/// Levels beyond the last that refining one set by hand may take.
+constexpr int kByHand = 4;
+/// Memory per node, of the map and the graph.
+constexpr std::size_t kBytesPerNode = 200;
+
+std::size_t halfOfMemory() {
+  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE)) / 2;
+}
+
+/// The strongly connected components of some nodes (ascending), by the edges among them.
+Components componentsOf(const TransitMap& map, const std::vector<Index>& nodes, const std::vector<Index>& place,
+                        Progress* progress) {
+  constexpr std::size_t kGrain = 256;
+  std::vector<std::vector<Index>> blocks((nodes.size() + kGrain - 1) / kGrain);
+  DirectedGraph graph;
+  graph.offsets.assign(nodes.size() + 1, 0);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
+    if (progress != nullptr && progress->cancelled()) return;
+    std::vector<Index> row;
+    for (std::size_t i = block * kGrain; i < std::min(nodes.size(), (block + 1) * kGrain); ++i) {
+      map.row(nodes[i], row);
+      for (const Index target : row) {
+        if (place[target] == kNone) continue;
+        blocks[block].push_back(place[target]);
+        ++graph.offsets[i + 1];
+      }
+    }
+  });
+  if (progress != nullptr) progress->check();
+  std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
+  graph.targets.reserve(graph.offsets.back());
+  for (const auto& block : blocks) graph.targets.insert(graph.targets.end(), block.begin(), block.end());
+  return stronglyConnectedComponents(graph);
+}
+
+/// The members of the recurrent components, ascending; components by their first members.
+std::vector<std::vector<Index>> recurrentMembers(const Components& components, const std::vector<Index>& nodes) {
+  std::vector<Index> number(components.count(), kNone);
+  std::vector<std::vector<Index>> result;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Index component = components.of[i];
+    if (components.recurrent[component] == 0) continue;
+    if (number[component] == kNone) {
+      number[component] = static_cast<Index>(result.size());
+      result.emplace_back();
+    }
+    result[number[component]].push_back(nodes[i]);
+  }
+  return result;
+}
+
+/// The faces that each set meets: those of its fixed points, and those that it flows through from piece to piece.
+std::vector<std::vector<Index>> facesMet(const TransitMap& map, const CombinatorialMap& graph, const FaceSets& nodes) {
+  std::vector<std::vector<Index>> result(nodes.count());
+  for (Index s = 0; s < nodes.count(); ++s) {
+    std::vector<Index>& faces = result[s];
+    for (const Index node : nodes.faces(s)) {
+      const bool goesOn = std::any_of(graph.graph.begin(node), graph.graph.end(node), [&](Index target) {
+        return target < static_cast<Index>(nodes.setOf().size()) && nodes.setOf(target) == s;
+      });
+      if (goesOn) map.appendFaces(node, faces);
+    }
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  }
+  return result;
+}
+
+/// Parts the faces among the sets that meet them.
+FaceSets partFaces(const TransitMap& map, const FaceSets& nodes, const std::vector<std::vector<Index>>& covers) {
+  const Index faceCount = map.mesh().faceCount();
+  std::vector<Index> setOf(faceCount, kNone), bySize(covers.size());
+  std::iota(bySize.begin(), bySize.end(), 0);
+  std::stable_sort(bySize.begin(), bySize.end(), [&](Index a, Index b) { return covers[a].size() < covers[b].size(); });
+  for (Index f = 0; f < faceCount; ++f) setOf[f] = nodes.setOf(f);  // whose node of rest it holds
+  for (const Index s : bySize) {
+    for (const Index f : covers[s]) {
+      if (setOf[f] == kNone) setOf[f] = s;
+    }
+  }
+  return {std::move(setOf), nodes.count()};
+}
+
+/// Whether sets can hold recurrence (recurrence.h): those with a fixed point, and those whose faces go around
+/// something.
+std::vector<char> canRecur(const TransitMap& map, const std::vector<std::vector<Index>>& members,
+                           const std::vector<std::vector<Index>>& covers) {
+  std::vector<char> result(members.size(), 0);
+  std::vector<Index> left;
+  for (std::size_t s = 0; s < members.size(); ++s) {
+    result[s] = map.isPiece(members[s].front()) ? 0 : 1;  // nodes of rest come first
+    if (result[s] == 0) left.push_back(static_cast<Index>(s));
+  }
+  // All that are apart from each other at a time.
+  while (!left.empty()) {
+    std::vector<Index> setOf(map.mesh().faceCount(), kNone), now, later;
+    for (const Index s : left) {
+      const bool apart = std::all_of(covers[s].begin(), covers[s].end(), [&](Index f) { return setOf[f] == kNone; });
+      if (!apart) {
+        later.push_back(s);
+        continue;
+      }
+      for (const Index f : covers[s]) setOf[f] = static_cast<Index>(now.size());
+      now.push_back(s);
+    }
+    const FaceSets sets(std::move(setOf), static_cast<Index>(now.size()));
+    const std::vector<char> recurs = canRecur(map.mesh(), sets, map.transit().resting());
+    for (std::size_t i = 0; i < now.size(); ++i) result[now[i]] = recurs[i];
+    left = std::move(later);
+  }
+  return result;
+}
+
+}  // namespace
+
+TransitRefinement::TransitRefinement(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
+                                     const TransitOptions& options, Progress* progress)
+    : field_(field), options_(options), map_(std::move(faces), std::move(field), progress) {
+  std::vector<Index> nodes(map_.outside());
+  std::iota(nodes.begin(), nodes.end(), 0);
+  std::vector<Index> place = nodes;
+  place.push_back(kNone);
+  nodes_ = recurrentMembers(componentsOf(map_, nodes, place, progress), nodes);
+  trials_.resize(nodes_.size());
+}
+
+bool TransitRefinement::isOpen(Index set, int levels) const {
+  if (trials_[set].done) return false;
+  return std::any_of(nodes_[set].begin(), nodes_[set].end(),
+                     [&](Index node) { return map_.isPiece(node) && map_.piece(node).level < levels; });
+}
+
+bool TransitRefinement::fits() const {
+  return kBytesPerNode * static_cast<std::size_t>(map_.outside()) < options_.memoryLimit.value_or(halfOfMemory()) / 2;
+}
+
+RefinementStop TransitRefinement::refine(Progress* progress) {
+  const Deadline deadline(options_.maximalSeconds, progress);
+  Progress* const watched = deadline.progress();
+  while (true) {
+    if (progress != nullptr && progress->cancelled()) return RefinementStop::Cancelled;
+    if (deadline.isOver()) return RefinementStop::Time;
+    if (!fits()) return RefinementStop::Memory;
+    try {
+      if (!round(watched)) return RefinementStop::Done;
+    } catch (const Cancelled&) {
+      const bool byCaller = progress != nullptr && progress->cancelled();
+      return byCaller ? RefinementStop::Cancelled : RefinementStop::Time;
+    }
+  }
+}
+
+bool TransitRefinement::round(Progress* progress) {
+  std::vector<Index> chosen;
+  for (Index s = 0; s < static_cast<Index>(nodes_.size()); ++s) {
+    if (trials_[s].halved || isOpen(s, options_.levels)) chosen.push_back(s);
+  }
+  if (chosen.empty()) return false;
+  if (progress != nullptr) progress->report(std::min(1.0, static_cast<double>(level_) / options_.levels));
+  refineSets(chosen, options_.levels, progress);
+  ++level_;
+  return true;
+}
+
+bool TransitRefinement::refineNodes(const std::vector<Index>& nodes, Progress* progress) {
+  const auto setsOf = [&] {
+    std::vector<Index> chosen;
+    for (Index s = 0; s < static_cast<Index>(nodes_.size()); ++s) {
+      const bool holds = std::any_of(nodes.begin(), nodes.end(), [&](Index node) {
+        return std::binary_search(nodes_[s].begin(), nodes_[s].end(), node);
+      });
+      if (holds) chosen.push_back(s);
+    }
+    return chosen;
+  };
+  const int levels = options_.levels + kByHand;
+  while (true) {
+    std::vector<Index> chosen;
+    for (const Index s : setsOf()) {
+      trials_[s].done = false;
+      if (isOpen(s, levels)) chosen.push_back(s);
+    }
+    if (chosen.empty() || !fits()) return false;
+    if (refineSets(chosen, levels, progress)) return true;
+  }
+}
+
+/// Halves the pieces of some sets and finds what they split into; whether one lost more pieces than halving explains,
+/// or came apart.
+bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int levels, Progress* progress) {
+  std::vector<Index> pieces, owner;
+  for (const Index s : chosen) {
+    if (trials_[s].halved) continue;
+    for (const Index node : nodes_[s]) {
+      if (!map_.isPiece(node) || map_.piece(node).level >= levels) continue;
+      pieces.push_back(node);
+      owner.push_back(s);
+    }
+  }
+  // The outside node moves on; nothing keeps it.
+  const Index before = map_.outside();
+  const std::vector<std::size_t> halved = map_.halve(pieces, progress);
+  for (std::size_t i = 0; i < halved.size(); ++i) {
+    nodes_[owner[halved[i]]].push_back(before + static_cast<Index>(i));
+  }
+  for (const Index s : chosen) trials_[s].halved = true;
+
+  std::vector<Index> members, setOf(map_.outside(), kNone), place(static_cast<std::size_t>(map_.outside()) + 1, kNone);
+  for (const Index s : chosen) {
+    for (const Index node : nodes_[s]) setOf[node] = s;
+  }
+  for (Index node = 0; node < map_.outside(); ++node) {
+    if (setOf[node] == kNone) continue;
+    place[node] = static_cast<Index>(members.size());
+    members.push_back(node);
+  }
+  std::vector<std::vector<Index>> parts = recurrentMembers(componentsOf(map_, members, place, progress), members);
+
+  bool changed = false;
+  std::vector<std::vector<Index>> kept;
+  std::vector<Trial> trials;
+  for (Index s = 0; s < static_cast<Index>(nodes_.size()); ++s) {
+    if (std::binary_search(chosen.begin(), chosen.end(), s)) continue;
+    kept.push_back(std::move(nodes_[s]));
+    trials.push_back(trials_[s]);
+  }
+  for (std::vector<Index>& part : parts) {
+    const Index parent = setOf[part.front()];
+    const bool hardlyAny = static_cast<double>(part.size()) >= kHardlyAny * static_cast<double>(nodes_[parent].size());
+    changed = changed || !hardlyAny;
+    Trial trial;
+    trial.kept = hardlyAny ? trials_[parent].kept + 1 : 0;
+    trial.done = trial.kept >= options_.patience;
+    kept.push_back(std::move(part));
+    trials.push_back(trial);
+  }
+  nodes_ = std::move(kept);
+  trials_ = std::move(trials);
+  return changed || parts.empty();
+}
+
+TransitDecomposition TransitRefinement::decomposition(bool keepEmpty, bool keepTrivial, Progress& progress) const {
+  TransitDecomposition result;
+  result.map = map_.map(&progress);
+  const DirectedGraph& graph = result.map.graph;
+  const Components components = stronglyConnectedComponents(graph);
+  progress.check();
+  std::vector<char> leads(components.count(), 0), isLedTo(components.count(), 0);
+  for (Index node = 0; node < graph.nodeCount(); ++node) {
+    const Index from = components.of[node];
+    for (const Index* t = graph.begin(node); t != graph.end(node); ++t) {
+      const Index to = components.of[*t];
+      if (from != to) leads[from] = isLedTo[to] = 1;
+    }
+  }
+  std::vector<Index> nodes(map_.outside());
+  std::iota(nodes.begin(), nodes.end(), 0);
+  std::vector<std::vector<Index>> members = recurrentMembers(components, nodes);
+  const auto setsOf = [&] {
+    std::vector<Index> setOf(graph.nodeCount(), kNone);
+    for (std::size_t s = 0; s < members.size(); ++s) {
+      for (const Index node : members[s]) setOf[node] = static_cast<Index>(s);
+    }
+    return FaceSets(std::move(setOf), static_cast<Index>(members.size()));
+  };
+  std::vector<std::vector<Index>> covers = facesMet(map_, result.map, setsOf());
+  progress.check();
+
+  // Sets that count, with their indices, by their first faces.
+  const std::vector<char> recurs = keepEmpty ? std::vector<char>(members.size(), 1) : canRecur(map_, members, covers);
+  std::vector<MorseSet> found(members.size());
+  std::vector<Index> order;
+  for (std::size_t s = 0; s < members.size(); ++s) {
+    const Index component = components.of[members[s].front()];
+    MorseSet& set = found[s];
+    for (const Index node : members[s]) set.poincare += map_.isPiece(node) ? 0 : map_.transit().poincare()[node];
+    const int b0 = leads[component] == 0 ? 1 : 0, b2 = isLedTo[component] == 0 ? 1 : 0;
+    set.index = agreeing({b0, std::max(0, b0 + b2 - set.poincare), b2}, set.poincare);
+    set.kind = kindOf(set.index);
+    if (recurs[s] != 0 && (keepTrivial || set.kind != MorseKind::Trivial)) order.push_back(static_cast<Index>(s));
+  }
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return covers[a].front() < covers[b].front(); });
+  std::vector<std::vector<Index>> chosenMembers;
+  for (const Index s : order) {
+    chosenMembers.push_back(std::move(members[s]));
+    result.morse.covers.push_back(std::move(covers[s]));
+    result.morse.sets.push_back(found[s]);
+  }
+  members = std::move(chosenMembers);
+  result.nodes = setsOf();
+  result.morse.faces = partFaces(map_, result.nodes, result.morse.covers);
+  result.morse.mapEdges = graph.edgeCount();
+  result.morse.graph = morseConnectionGraph(result.map, components, result.nodes);
+  progress.report(1.0);
+  return result;
+}
+
+}  // namespace stormfield

@@ -1,0 +1,85 @@
+// Hierarchical refinement (thesis 8) of the geometry-based decomposition without tau: the pieces of edges inside chosen
+// sets are halved (transit_map.h), and the strongly connected components take the place of the sets.
+//
+// What a set splits into stays within it, the other sets do not change (thesis 8.2.1), and the result is that of the
+// transit map of all pieces at once, in whatever order they were halved. Sets without pieces (a fixed point that
+// nothing comes back to) are done; so are those that halving leaves as they are, and those that have come to the last
+// level. Sets may be parted inside a face: a face may be met by several.
+//
+// The index is exact. Let N be a set's strips: in each face, what flows from its pieces of entry to its pieces of exit,
+// with the fixed points. N is connected, flow enters it over its pieces and leaves it over pieces beyond it. So b0 = 1
+// just when no edge of the map leads out of the set (what is in N stays), b2 = 1 just when none leads into it (the same
+// for the reversed flow), and b1 = b0 + b2 - the sum of the Poincare indices inside.
+//
+//   TransitRefinement refinement(faces, field);
+//   refinement.refine(&progress);
+//   const TransitDecomposition result = refinement.decomposition(true, progress);
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "morse/morse_decomposition.h"
+#include "morse/refinement.h"
+#include "morse/transit_map.h"
+
+namespace stormfield {
+
+struct TransitOptions {
+  int levels = 8;    ///< halvings of an edge, at most
+  int patience = 2;  ///< rounds in a row that halve a set's pieces and lose hardly any of them, until it is done
+  double maximalSeconds = std::numeric_limits<double>::infinity();  ///< of wall time
+  /// Bytes that pieces and graph may take, about; none: half of the memory of the machine.
+  std::optional<std::size_t> memoryLimit{};
+};
+
+struct TransitDecomposition {
+  /// Its faces are parted among the sets: a face that several sets meet belongs to that with the fixed point in it,
+  /// else to the smallest. covers has all faces that each set meets.
+  MorseDecomposition morse;
+  CombinatorialMap map;  ///< of all nodes
+  FaceSets nodes;        ///< nodes of each set
+};
+
+/// A decomposition that can be refined; copies are independent.
+class TransitRefinement {
+ public:
+  /// faces: of the field's mesh. Throws InputError for a field of another mesh, and Cancelled.
+  TransitRefinement(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
+                    const TransitOptions& options = {}, Progress* progress = nullptr);
+
+  /// Refines until a limit is met or nothing is left. Being cancelled is no error: what is there is valid.
+  RefinementStop refine(Progress* progress = nullptr);
+  /// One round: every set that is not done. False when nothing is left. Throws Cancelled.
+  bool round(Progress* progress = nullptr);
+  /// Halves the pieces of some nodes (those of one set, say) until the sets they belong to change, by 4 levels at most
+  /// beyond the last; whether they did. Throws Cancelled.
+  bool refineNodes(const std::vector<Index>& nodes, Progress* progress = nullptr);
+
+  /// Nodes of each recurrent set, ascending.
+  const std::vector<std::vector<Index>>& sets() const { return nodes_; }
+  const TransitMap& map() const { return map_; }
+  TransitDecomposition decomposition(bool keepEmpty, bool keepTrivial, Progress& progress) const;
+
+ private:
+  struct Trial {
+    int kept = 0;         ///< rounds in a row that lost hardly any piece
+    bool halved = false;  ///< pieces were halved, and the components not looked at since
+    bool done = false;
+  };
+
+  bool isOpen(Index set, int levels) const;
+  bool refineSets(const std::vector<Index>& chosen, int levels, Progress* progress);
+  bool fits() const;
+
+  std::shared_ptr<const VectorField> field_;
+  TransitOptions options_;
+  TransitMap map_;
+  std::vector<std::vector<Index>> nodes_;
+  std::vector<Trial> trials_;
+  int level_ = 0;
+};
+
+}  // namespace stormfield

@@ -1,0 +1,266 @@
+#include "morse/transit_refinement.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <thread>
+
+#include "base/error.h"
+#include "data_sets.h"
+#include "fixtures.h"
+#include "long_tests.h"
+#include "morse/morse_analysis.h"
+
+namespace stormfield::test {
+namespace {
+
+using FieldPointer = std::shared_ptr<const VectorField>;
+
+std::shared_ptr<const FlatFaces> flatFaces(const VectorField& field) {
+  return std::make_shared<const FlatFaces>(field.charts);
+}
+
+FieldPointer planar(const Surface& s, const std::function<Vec3(double, double)>& function) {
+  Points vectors(s.points.rows(), 3);
+  for (Eigen::Index v = 0; v < vectors.rows(); ++v) vectors.row(v) = function(s.points(v, 0), s.points(v, 1));
+  return std::make_shared<const VectorField>(fromSpace(makeCharts(s), vectors));
+}
+
+/// Periodic orbits on the circles of these radii, by turns attracting (the outermost) and repelling.
+FieldPointer orbits(const std::vector<double>& radii) {
+  return planar(grid(20, 0.2), [&](double x, double y) {
+    const double r = std::hypot(x - 0.011, y + 0.007);
+    double growth = 1.0;
+    for (const double radius : radii) growth *= 3.0 * (radius - r);
+    return Vec3(growth * (x - 0.011) - (y + 0.007), growth * (y + 0.007) + x - 0.011, 0.0);
+  });
+}
+
+FieldPointer random(const Surface& s, std::uint64_t seed) {
+  return std::make_shared<const VectorField>(randomField(makeCharts(s), seed));
+}
+
+std::map<std::string, int> kinds(const MorseDecomposition& morse) {
+  std::map<std::string, int> result;
+  for (const MorseSet& set : morse.sets) {
+    if (set.kind != MorseKind::Trivial) ++result[name(set.kind)];
+  }
+  return result;
+}
+
+TransitDecomposition refined(const FieldPointer& field, const TransitOptions& options = {}, bool keepEmpty = false) {
+  TransitRefinement refinement(flatFaces(*field), field, options);
+  EXPECT_EQ(refinement.refine(), RefinementStop::Done);
+  Progress progress;
+  return refinement.decomposition(keepEmpty, true, progress);
+}
+
+TEST(TransitMap, HoldsWhereTrajectoriesLeaveFaces) {
+  for (const Surface& s : {icosphere(1), torus(8, 6), annulus(9, 3), tetrahedron()}) {
+    for (const std::uint64_t seed : {1, 2}) {
+      const FieldPointer field = random(s, seed);
+      TransitMap map(flatFaces(*field), field);
+      Random numbers(seed);
+      std::vector<Index> row;
+      for (int level = 0; level < 3; ++level) {
+        int outside = 0;
+        for (int i = 0; i < 1000; ++i) {
+          const Index node = map.nodeOf(numbers.below(map.pieceCount()));
+          const EdgePiece& piece = map.piece(node);
+          if (piece.enters < 0) continue;
+          const Index h = map.mesh().edgeHalfedge(piece.edge);
+          const double fraction = piece.from + numbers.uniform(0.0, 1.0) * (piece.to - piece.from);
+          const bool canonical = TriangleMesh::face(h) == piece.enters;
+          const Index entered = canonical ? h : map.mesh().twin(h);
+          const double to = map.transit().leaves(
+              piece.enters, TriangleMesh::corner(entered) + (canonical ? fraction : 1.0 - fraction));
+          map.row(node, row);
+          if (to == FaceTransit::kRest) {
+            outside += !std::binary_search(row.begin(), row.end(), piece.enters);
+            continue;
+          }
+          // Some piece of the row lies over the edge there.
+          const int side = std::min(2, static_cast<int>(to));
+          const Index out = TriangleMesh::halfedge(piece.enters, side), edge = map.mesh().edge(out);
+          const double along = map.mesh().edgeHalfedge(edge) == out ? to - side : 1.0 - (to - side);
+          const bool found = std::any_of(row.begin(), row.end(), [&](Index target) {
+            if (!map.isPiece(target)) return false;
+            const EdgePiece& p = map.piece(target);
+            return p.edge == edge && p.from <= along + 1e-5 && p.to >= along - 1e-5;
+          });
+          // At the ends of an edge the next one does as well.
+          outside += !found && along > 1e-5 && along < 1.0 - 1e-5;
+        }
+        EXPECT_EQ(outside, 0) << s.triangles.rows() << " faces, level " << level;
+        std::vector<Index> all;
+        for (Index p = 0; p < map.pieceCount(); ++p) all.push_back(map.nodeOf(p));
+        map.halve(all);
+      }
+    }
+  }
+}
+
+TEST(TransitRefinement, IsWhatTheMapOfAllPiecesAtOnceGives) {
+  for (const Surface& s : {icosphere(1), torus(8, 6), annulus(9, 3), severalComponents()}) {
+    const FieldPointer field = random(s, 4);
+    TransitRefinement refinement(flatFaces(*field), field, {.levels = 4});
+    refinement.refine();
+    Progress progress;
+    const TransitDecomposition whole = refinement.decomposition(true, true, progress);
+    std::set<std::vector<Index>> bySteps(refinement.sets().begin(), refinement.sets().end()), atOnce;
+    for (Index set = 0; set < whole.nodes.count(); ++set) atOnce.insert(whole.nodes.faces(set));
+    EXPECT_EQ(bySteps, atOnce);
+  }
+}
+
+TEST(TransitRefinement, HoldsEveryFixedPointAndSumsToTheEulerCharacteristic) {
+  for (const auto& [what, s, euler] : closedSurfaces()) {
+    const FieldPointer field = random(s, 3);
+    const TransitDecomposition found = refined(field, {.levels = 4});
+    int sum = 0;
+    std::set<Index> covered;
+    for (std::size_t i = 0; i < found.morse.sets.size(); ++i) {
+      EXPECT_EQ(found.morse.sets[i].index.euler(), found.morse.sets[i].poincare) << what;
+      sum += found.morse.sets[i].poincare;
+      covered.insert(found.morse.covers[i].begin(), found.morse.covers[i].end());
+    }
+    EXPECT_EQ(sum, euler) << what;
+    const FaceTransit transit(flatFaces(*field), field);
+    for (Index f = 0; f < field->mesh().faceCount(); ++f) {
+      EXPECT_LE(transit.rests(f), covered.count(f)) << what << ", face " << f;
+    }
+  }
+}
+
+TEST(TransitRefinement, FindsNestedOrbits) {
+  const auto one = kinds(refined(orbits({0.61})).morse);
+  EXPECT_EQ(one, (std::map<std::string, int>{{"attracting", 1}, {"source", 1}}));
+  const auto three = kinds(refined(orbits({0.31, 0.53, 0.77})).morse);
+  EXPECT_EQ(three, (std::map<std::string, int>{{"attracting", 2}, {"repelling", 1}, {"source", 1}}));
+}
+
+TEST(TransitRefinement, ReversingTheFieldTurnsKindsAround) {
+  const FieldPointer field = orbits({0.31, 0.53, 0.77});
+  VectorField turned = *field;
+  for (Complex& value : turned.values) value = -value;
+  const auto back = kinds(refined(std::make_shared<const VectorField>(turned)).morse);
+  EXPECT_EQ(back, (std::map<std::string, int>{{"attracting", 1}, {"repelling", 2}, {"sink", 1}}));
+}
+
+TEST(TransitRefinement, PartsAPairInsideFaces) {
+  // A saddle and a sink in faces beside each other, which no map of whole faces can part: the way from the saddle to
+  // the sink and the ways that come to the saddle pass through the same faces.
+  const double a = 0.075;
+  const FieldPointer field = planar(grid(16, 0.15, 3), [&](double x, double y) {
+    const double u = a * a - (x - 0.02) * (x - 0.02), v = -0.2 * (y + 0.01);
+    return Vec3(u - 0.3 * v, v + 0.3 * u, 0.0);
+  });
+  const auto found = kinds(refined(field, {.levels = 10}).morse);
+  EXPECT_EQ(found.count("saddle"), 1U);
+  EXPECT_EQ(found.count("sink"), 1U);
+}
+
+TEST(TransitRefinement, DoesNotDependOnThreads) {
+  const FieldPointer field = random(icosphere(1), 5);
+  const TransitDecomposition all = refined(field);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const TransitDecomposition alone = refined(field);
+  EXPECT_EQ(all.map.graph.targets, alone.map.graph.targets);
+  EXPECT_EQ(all.morse.covers, alone.morse.covers);
+  EXPECT_EQ(all.morse.graph.edges, alone.morse.graph.edges);
+}
+
+TEST(TransitRefinement, CancelAndLimitsLeaveAValidDecomposition) {
+  const FieldPointer field = random(icosphere(1), 2);
+  const auto faces = flatFaces(*field);
+  Progress progress;
+  for (const int microseconds : {0, 200, 1000}) {
+    TransitRefinement refinement(faces, field);
+    Progress watched;
+    std::thread watcher([&] {
+      std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
+      watched.cancel();
+    });
+    refinement.refine(&watched);
+    watcher.join();
+    int sum = 0;
+    for (const MorseSet& set : refinement.decomposition(false, true, progress).morse.sets) sum += set.poincare;
+    EXPECT_EQ(sum, 2) << microseconds;
+    // And it can go on.
+    EXPECT_EQ(refinement.refine(), RefinementStop::Done);
+  }
+  TransitRefinement instant(faces, field, {.maximalSeconds = 0.0});
+  EXPECT_EQ(instant.refine(), RefinementStop::Time);
+  TransitRefinement small(faces, field, {.memoryLimit = 1000});
+  EXPECT_EQ(small.refine(), RefinementStop::Memory);
+}
+
+TEST(TransitRefinement, ClosedOrbitsEverywhereEnd) {
+  const Surface s = torus(16, 10);
+  Points vectors(s.points.rows(), 3);
+  for (Eigen::Index v = 0; v < vectors.rows(); ++v) vectors.row(v) = Vec3(-s.points(v, 1), s.points(v, 0), 0.0);
+  const auto field = std::make_shared<const VectorField>(fromSpace(makeCharts(s), vectors));
+  TransitRefinement refinement(flatFaces(*field), field, {.levels = 20});
+  EXPECT_EQ(refinement.refine(), RefinementStop::Done);
+  EXPECT_LT(refinement.map().pieceCount(), 100000);
+}
+
+TEST(TransitRefinement, DegenerateFields) {
+  for (const Surface& s : {surface({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), grid(3), severalComponents()}) {
+    const auto zero = std::make_shared<const VectorField>(zeroField(makeCharts(s)));
+    const TransitDecomposition found = refined(zero, {.levels = 3});
+    std::set<Index> covered;
+    for (const auto& cover : found.morse.covers) covered.insert(cover.begin(), cover.end());
+    EXPECT_EQ(covered.size(), static_cast<std::size_t>(zero->mesh().faceCount()));
+  }
+  for (const auto& [s, euler] : {std::pair{tetrahedron(), 2}, {icosphere(1), 2}, {torus(8, 6), 0}}) {
+    const auto field = std::make_shared<const VectorField>(randomIntegerField(makeCharts(s), 2));
+    const TransitDecomposition found = refined(field, {.levels = 3});
+    int sum = 0;
+    for (const MorseSet& set : found.morse.sets) sum += set.poincare;
+    EXPECT_EQ(sum, euler);
+  }
+}
+
+TEST(TransitRefinement, PartsAllFixedPointsAndOrbitsOfTheGasEngine) {
+  if (!longTests()) GTEST_SKIP() << "long";
+  const auto data = dataSet("gasEngineV.t");
+  if (!data) GTEST_SKIP() << "the thesis's data sets are not beside the repository";
+  const auto field = std::make_shared<const VectorField>(fromSpace(makeCharts(data->surface), data->vectors));
+  // As the entity connection graph has them: 29, 18, 13, 3 and 1.
+  const std::map<std::string, int> all{
+      {"saddle", 29}, {"sink", 18}, {"source", 13}, {"attracting", 3}, {"repelling", 1}};
+  EXPECT_EQ(kinds(refined(field).morse), all);
+}
+
+TEST(TransitRefinement, AnalysisRefinesASetByHandAndFindsWhatLiesBetween) {
+  const FieldPointer field = random(icosphere(1), 8);
+  Progress progress;
+  MorseAnalysisOptions options;
+  options.refine = true;
+  const auto faces = flatFaces(*field);
+  const MorseAnalysis found = analyzeMorse(faces, *field, options, progress);
+  EXPECT_EQ(found.stop, RefinementStop::Done);
+  ASSERT_FALSE(found.decomposition.graph.edges.empty());
+  const auto [from, to] = found.decomposition.graph.edges.front();
+  for (const Index f : connectionFaces(found, from, to)) {
+    EXPECT_FALSE(
+        std::binary_search(found.decomposition.covers[from].begin(), found.decomposition.covers[from].end(), f));
+  }
+  for (Index set = 0; set < found.decomposition.faces.count(); ++set) {
+    const MorseAnalysis finer = withSetRefined(faces, found, set, progress);
+    EXPECT_GE(finer.decomposition.faces.count() + 1, found.decomposition.faces.count());
+  }
+  options.epsilon = 0.1;
+  EXPECT_THROW(analyzeMorse(faces, *field, options, progress), InputError);
+  EXPECT_THROW(within(found, 0.1, true, progress), InputError);
+}
+
+}  // namespace
+}  // namespace stormfield::test
