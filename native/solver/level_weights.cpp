@@ -24,6 +24,22 @@ double guardedInverse(double pivot, double diagonal) {
   return pivot > kSmallestPivot * diagonal && std::isfinite(diagonal) ? 1.0 / pivot : 0.0;
 }
 
+/// What each weight hands on to the coarser levels.
+std::vector<double> limited(const LevelWeights& weights, const SurfaceLevel& level) {
+  std::vector<double> result(weights.entries.size());
+  tbb::parallel_for(tbb::blocked_range<Index>(0, level.rows(), kBlock), [&](const auto& range) {
+    for (Index i = range.begin(); i != range.end(); ++i) {
+      const double largest = kMostWeight * level.diagonal[i];
+      for (std::size_t k = weights.start[i]; k < weights.start[i + 1]; ++k) {
+        const auto [j, weight] = weights.entries[k];
+        const double most = largest * level.lambda.mass[j];
+        result[k] = std::isinf(weight) ? most : weight * most / (weight + most);
+      }
+    }
+  });
+  return result;
+}
+
 }  // namespace
 
 LevelWeights finestWeights(const ConstraintRows& constraints) {
@@ -49,6 +65,7 @@ LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, cons
   const Index rows = static_cast<Index>(from.restriction.start.size()) - 1;
   const Index fineSamples = from.lambda.samples();
   const bool halved = to.samples() != fineSamples;
+  const std::vector<double> handedOn = limited(fine, from);
   std::vector<LevelWeights> parts((rows + kBlock - 1) / kBlock);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
     std::vector<double> line(to.samples(), 0.0);
@@ -58,9 +75,8 @@ LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, cons
       for (const kernels::Coupling* c = from.restriction.begin(row); c != from.restriction.end(row); ++c) {
         const double share = std::sqrt(c->re * c->re + c->im * c->im);
         for (std::size_t k = fine.start[c->column]; k < fine.start[c->column + 1]; ++k) {
-          const auto [j, weight] = fine.entries[k];
-          const double most = kMostWeight * from.diagonal[c->column] * from.lambda.mass[j];
-          const double w = share * (std::isinf(weight) ? most : weight * most / (weight + most));
+          const Index j = fine.entries[k].sample;
+          const double w = share * handedOn[k];
           any = true;
           if (!halved) {
             line[j] += w;

@@ -1,0 +1,45 @@
+#include "solver/lambda_grid.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace stormfield {
+namespace {
+
+/// A padded row of random complex values.
+std::vector<float> randomRow(const LambdaGrid& grid, std::mt19937& random) {
+  std::normal_distribution<float> normal;
+  std::vector<float> row(grid.stride(), 0.0f);
+  for (Index k = 0; k < 2 * grid.samples(); ++k) row[k] = normal(random);
+  return row;
+}
+
+TEST(LambdaGrid, InterpolatesLinearlyAndRestrictsWithTheAdjoint) {
+  std::mt19937 random(5);
+  for (Index samples = 4; samples <= 21; ++samples) {
+    const LambdaGrid fine = finestLambdaGrid(samples), coarse = coarsened(fine);
+    const std::vector<float> c = randomRow(coarse, random), f = randomRow(fine, random);
+    std::vector<float> prolonged(fine.stride(), 0.0f), restricted(coarse.stride(), 0.0f);
+    addProlongedLambda(c.data(), samples, prolonged.data());
+    restrictLambda(f.data(), samples, restricted.data());
+    for (Index j = 0; j < samples; ++j) {
+      for (Index k = 0; k < 2; ++k) {
+        const float before = c[j / 2 * 2 + k];
+        const float after = j + 1 < samples ? c[(j + 1) / 2 * 2 + k] : before;
+        EXPECT_NEAR(prolonged[2 * j + k], 0.5f * (before + after), 1e-6f) << samples << " samples, at " << j;
+      }
+    }
+    for (std::size_t k = 2 * static_cast<std::size_t>(samples); k < fine.stride(); ++k) EXPECT_EQ(prolonged[k], 0.0f);
+    for (std::size_t k = 2 * static_cast<std::size_t>(coarse.samples()); k < coarse.stride(); ++k) {
+      EXPECT_EQ(restricted[k], 0.0f);
+    }
+    double there = 0.0, back = 0.0;
+    for (std::size_t k = 0; k < f.size(); ++k) there += static_cast<double>(f[k]) * static_cast<double>(prolonged[k]);
+    for (std::size_t k = 0; k < c.size(); ++k) back += static_cast<double>(c[k]) * static_cast<double>(restricted[k]);
+    EXPECT_NEAR(there, back, 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace stormfield
