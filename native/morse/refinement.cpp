@@ -11,6 +11,7 @@
 #include "combinatorial/geometry_map.h"
 #include "field/poincare_index.h"
 #include "morse/deadline.h"
+#include "morse/memory_limit.h"
 #include "morse/recurrence.h"
 #include "morse/tau_rows.h"
 
@@ -159,6 +160,8 @@ RefinementStop MorseRefinement::refine(Progress* progress) {
     } catch (const Cancelled&) {
       const bool byCaller = progress != nullptr && progress->cancelled();
       return byCaller ? RefinementStop::Cancelled : RefinementStop::Time;
+    } catch (const InputError&) {
+      return RefinementStop::Memory;  // all that rows complain about
     }
   }
 }
@@ -214,6 +217,7 @@ SetWindows MorseRefinement::windowsOf(Index set) const {
   double longest = kTurnOfStep / bending;
   if (!trial.ancestors.empty()) longest = std::min(longest, trial.ancestors.front().tau);
   SetWindows windows;
+  windows.memoryLimit = options_.map.memoryLimit.value_or(halfOfMemory());
   while (windows.steps < kMostSteps && tau / windows.steps > 1.5 * longest) windows.steps *= 2;
   for (int level = 1; level < windows.steps; level *= 2) {
     SharedFaces faces;
@@ -248,8 +252,13 @@ std::vector<char> MorseRefinement::refineAll(const std::vector<Index>& chosen, P
     const std::vector<Index>& members = sets_.faces(chosen[i]);
     const auto& [offsets, targets] = computed[i];
     for (std::size_t k = 0; k < members.size(); ++k) {
-      setRow(members[k], targets.data() + offsets[k], targets.data() + offsets[k + 1]);
-      seen[members[k]].assign(targets.data() + offsets[k], targets.data() + offsets[k + 1]);
+      std::vector<Index>& row = seen[members[k]];
+      row.assign(targets.data() + offsets[k], targets.data() + offsets[k + 1]);
+      // A fixed point stays, though its face may be drawn out beyond what samples of the edges can tell.
+      const auto at = std::lower_bound(row.begin(), row.end(), members[k]);
+      const bool loops = at != row.end() && *at == members[k];
+      if (resting_[members[k]] != 0 && !loops) row.insert(at, members[k]);
+      setRow(members[k], row.data(), row.data() + row.size());
       taus_[members[k]] = nextTau(trials_[chosen[i]]);
     }
     work_.traces += work[i].traces;

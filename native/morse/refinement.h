@@ -52,7 +52,8 @@ class MorseRefinement {
   MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
                   const RefinementOptions& options = {});
 
-  /// Refines until a limit is met or nothing is left. Being cancelled is no error: it leaves what is complete.
+  /// Refines until a limit is met (that of options.map.memoryLimit holds for each set's rows) or nothing is left. Being
+  /// cancelled is no error: it leaves what is complete.
   RefinementStop refine(Progress* progress = nullptr);
   /// One round of refine; false when nothing is left. Throws Cancelled, which leaves everything as it was.
   bool round(Progress* progress = nullptr);

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -24,6 +26,7 @@ struct SetWindows {
   int steps = 1;  ///< a power of two: tau is so many steps
   std::vector<SharedFaces>
       levels;  ///< level j: the set that holds after every multiple of 2^j steps; null for all faces
+  std::size_t memoryLimit = std::numeric_limits<std::size_t>::max();  ///< bytes that the set's rows may take
 
   /// Whether a point of the set that is in this face after a step may come back; after the last it need not.
   bool holds(int step, Index face) const {

@@ -440,8 +440,7 @@ TauRows tauRows(const TauFlow& flow, const std::vector<Index>& faces, double tau
 
 TauRows tauRowsInside(const TauFlow& flow, const std::vector<Index>& faces, double tau, const SetWindows& windows,
                       Progress* progress, TauWork* work) {
-  constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
-  return RowMaker(flow, faces, tau, &windows, kNoLimit, progress).run(work);
+  return RowMaker(flow, faces, tau, &windows, windows.memoryLimit, progress).run(work);
 }
 
 TauRows geometryRows(const CombinatorialMap& geometry, const std::vector<Index>& faces) {

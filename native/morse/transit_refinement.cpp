@@ -1,7 +1,6 @@
 #include "morse/transit_refinement.h"
 
 #include <tbb/parallel_for.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <numeric>
@@ -9,6 +8,7 @@
 
 #include "base/message.h"
 #include "morse/deadline.h"
+#include "morse/memory_limit.h"
 #include "morse/recurrence.h"
 
 namespace stormfield {
@@ -20,10 +20,6 @@ constexpr double kHardlyAny = 0.9;
 constexpr int kByHand = 4;
 /// Memory per node, of the map and the graph.
 constexpr std::size_t kBytesPerNode = 200;
-
-std::size_t halfOfMemory() {
-  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE)) / 2;
-}
 
 /// The strongly connected components of some nodes (ascending), by the edges among them.
 Components componentsOf(const TransitMap& map, const std::vector<Index>& nodes, const std::vector<Index>& place,

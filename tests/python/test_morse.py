@@ -217,7 +217,7 @@ def test_refuses_bad_options(nested):
         ({"eps": float("nan")}, "eps is nan"),
         ({"eps": float("inf")}, "eps is inf"),
         ({"tau": 0.1}, "'geometry' has no tau"),
-        ({"refine": True}, "'geometry' has no tau"),
+        ({"refine": True, "tau": 1.0}, "'geometry' has no tau"),
         ({"method": "tau", "tau_max": 1.0}, "tau_max is for refinement"),
         ({"method": "tau", "refine": True, "tau_max": -1.0}, "tau"),
         ({"method": "tau", "refine": True, "seconds": 0.0}, "limit of time"),

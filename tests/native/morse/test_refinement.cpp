@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <thread>
 
 #include "base/error.h"
 #include "field/poincare_index.h"
 #include "fixtures.h"
 #include "morse/refinement.h"
+#include "morse/transit_refinement.h"
 
 namespace stormfield::test {
 namespace {
@@ -121,6 +123,62 @@ TEST(Refinement, KeepsLimits) {
   MorseRefinement bounded(flatFaces(*field), field, {.tauMin = 0.1, .tauMax = 0.5});
   bounded.refine();
   for (const double tau : bounded.taus()) EXPECT_LE(tau, 0.5);
+}
+
+TEST(Refinement, KeepsTheMemoryLimit) {
+  const auto field = twoSinks(14);
+  RefinementOptions options;
+  options.map.memoryLimit = 1000;
+  MorseRefinement refinement(flatFaces(*field), field, options);
+  const auto before = refinement.sets().setOf();
+  EXPECT_EQ(refinement.refine(), RefinementStop::Memory);
+  EXPECT_EQ(refinement.steps(), 0);
+  EXPECT_EQ(refinement.sets().setOf(), before);
+  EXPECT_THROW(refinement.refineSet(0), InputError);
+}
+
+TEST(Refinement, HoldsEveryFixedPointAtEveryTau) {
+  for (const double edgesMax : {4.0, 16.0}) {
+    const auto field = std::make_shared<const VectorField>(randomField(makeCharts(icosphere(1)), 3));
+    MorseRefinement refinement(flatFaces(*field), field, {.edgesMax = edgesMax});
+    refinement.refine();
+    const std::vector<int> poincare = poincareIndices(*field);
+    for (std::size_t f = 0; f < poincare.size(); ++f) {
+      if (poincare[f] != 0) {
+        EXPECT_NE(refinement.sets().setOf(static_cast<Index>(f)), kNone) << f;
+      }
+    }
+  }
+}
+
+TEST(Refinement, StopsSoonAfterCancel) {
+  // A turn about the axis: closed orbits in every face, which every round follows all of.
+  const auto charts = makeCharts(torus(40, 20));
+  Points vectors(charts->mesh().vertexCount(), 3);
+  for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
+    const Vec3 p = charts->mesh().point(v);
+    vectors.row(v) = Vec3(-p.y(), p.x(), 0.0);
+  }
+  const auto field = std::make_shared<const VectorField>(fromSpace(charts, vectors));
+  MorseRefinement refinement(flatFaces(*field), field);
+  TransitRefinement transits(flatFaces(*field), field, {.levels = 30, .patience = 30});
+  const auto latency = [](auto& work) {
+    using Clock = std::chrono::steady_clock;
+    Progress progress;
+    Clock::time_point cancelled;
+    std::thread watcher([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(30));
+      cancelled = Clock::now();
+      progress.cancel();
+    });
+    EXPECT_EQ(work.refine(&progress), RefinementStop::Cancelled);
+    const auto end = Clock::now();
+    watcher.join();
+    return std::chrono::duration<double>(end - cancelled).count();
+  };
+  // Asked is 0.1 s; sanitizers and other work on the machine take their part.
+  EXPECT_LT(latency(refinement), 1.0);
+  EXPECT_LT(latency(transits), 1.0);
 }
 
 TEST(Refinement, CancelLeavesCompleteRounds) {

@@ -64,6 +64,7 @@ TransitDecomposition refined(const FieldPointer& field, const TransitOptions& op
 TEST(TransitMap, HoldsWhereTrajectoriesLeaveFaces) {
   for (const Surface& s : {icosphere(1), torus(8, 6), annulus(9, 3), tetrahedron()}) {
     for (const std::uint64_t seed : {1, 2}) {
+      if (seed > 1 && !longTests()) continue;
       const FieldPointer field = random(s, seed);
       TransitMap map(flatFaces(*field), field);
       Random numbers(seed);
@@ -120,7 +121,11 @@ TEST(TransitRefinement, IsWhatTheMapOfAllPiecesAtOnceGives) {
 }
 
 TEST(TransitRefinement, HoldsEveryFixedPointAndSumsToTheEulerCharacteristic) {
-  for (const auto& [what, s, euler] : closedSurfaces()) {
+  const std::vector<NamedSurface> surfaces{{"tetrahedron", tetrahedron(), 2},
+                                           {"icosphere", icosphere(1), 2},
+                                           {"torus", torus(8, 6), 0},
+                                           {"genus 2", plateWithHoles(2), -2}};
+  for (const auto& [what, s, euler] : surfaces) {
     const FieldPointer field = random(s, 3);
     const TransitDecomposition found = refined(field, {.levels = 4});
     int sum = 0;
