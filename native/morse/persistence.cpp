@@ -1,8 +1,10 @@
 #include "morse/persistence.h"
 
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -21,34 +23,34 @@ struct Edge {
 
 class Bisection {
  public:
-  Bisection(Index nodes, std::size_t edges, Index never, Progress& progress)
-      : never_(never), progress_(progress), level_(edges, never), number_(nodes, kNone) {
+  Bisection(std::size_t edges, Index never, Progress& progress)
+      : never_(never), progress_(progress), level_(edges, never) {
     work_ = static_cast<double>(edges) * (std::log2(static_cast<double>(never) + 1.0) + 1.0);
   }
 
   /// Per edge the rank from which its ends are strongly connected, or never where earlier edges connect them.
-  std::vector<Index> run(std::vector<Edge> edges) && {
-    solve(0, never_, std::move(edges));
+  std::vector<Index> run(Index nodes, std::vector<Edge> edges) && {
+    solve(0, never_, nodes, std::move(edges));
+    progress_.check();
     return std::move(level_);
   }
 
  private:
-  /// Edges whose ends are strongly connected from a rank in low..high on (at never_: possibly not at all).
-  void solve(Index low, Index high, std::vector<Edge> edges) {
-    if (edges.empty()) return;
-    progress_.check();
-    done_ += static_cast<double>(edges.size());
-    progress_.report(done_ / work_);
+  /// Parts with fewer edges are not worth a thread of their own.
+  static constexpr std::size_t kGrain = 2000;
+
+  /// Edges, between so many nodes, whose ends are strongly connected from a rank in low..high on (at never_: possibly
+  /// not at all). The two halves have no edge in common.
+  void solve(Index low, Index high, Index nodes, std::vector<Edge> edges) {
+    if (edges.empty() || progress_.cancelled()) return;
+    const std::size_t done = done_ += edges.size();
+    progress_.report(static_cast<double>(done) / work_);
     if (low == high) {
       for (const Edge& edge : edges) level_[edge.id] = low;
       return;
     }
-    const Index middle = low + (high - low) / 2;
-    const std::vector<Index> nodes = renumber(edges);
-    const DirectedGraph graph = graphUpTo(middle, static_cast<Index>(nodes.size()), edges);
-    progress_.check();
-    const Components parts = stronglyConnectedComponents(graph);
-    progress_.check();
+    const Index middle = low + (high - low) / 2, count = renumber(nodes, edges);
+    const Components parts = stronglyConnectedComponents(graphUpTo(middle, count, edges));
     std::vector<Edge> within, between;
     for (const Edge& edge : edges) {
       const Index from = parts.of[edge.from], to = parts.of[edge.to];
@@ -56,27 +58,28 @@ class Bisection {
       // An edge that appears later, between ends that are connected already, adds nothing.
       if (from == to && edge.rank <= middle) within.push_back(edge);
     }
+    const bool shared = edges.size() > kGrain;
     edges = {};
-    solve(low, middle, std::move(within));
-    solve(middle + 1, high, std::move(between));
+    const auto lower = [&] { solve(low, middle, count, std::move(within)); };
+    const auto upper = [&] { solve(middle + 1, high, parts.count(), std::move(between)); };
+    if (shared) {
+      tbb::parallel_invoke(lower, upper);
+    } else {
+      lower();
+      upper();
+    }
   }
 
-  /// Numbers the ends of the edges from 0 without gaps.
-  std::vector<Index> renumber(std::vector<Edge>& edges) {
-    std::vector<Index> nodes;
-    const auto numberOf = [&](Index node) {
-      if (number_[node] == kNone) {
-        number_[node] = static_cast<Index>(nodes.size());
-        nodes.push_back(node);
-      }
-      return number_[node];
-    };
+  /// Numbers the ends of the edges from 0 without gaps; how many they are.
+  static Index renumber(Index nodes, std::vector<Edge>& edges) {
+    std::vector<Index> number(nodes, kNone);
+    Index count = 0;
+    const auto numberOf = [&](Index node) { return number[node] == kNone ? number[node] = count++ : number[node]; };
     for (Edge& edge : edges) {
       edge.from = numberOf(edge.from);
       edge.to = numberOf(edge.to);
     }
-    for (const Index node : nodes) number_[node] = kNone;
-    return nodes;
+    return count;
   }
 
   /// Rows may hold a target more than once, in any order: strongly connected components do not mind.
@@ -96,9 +99,10 @@ class Bisection {
   }
 
   Index never_;
-  double done_ = 0.0, work_;  ///< edges looked at, and at most to look at
+  std::atomic<std::size_t> done_{0};  ///< edges looked at
+  double work_;                       ///< at most to look at
   Progress& progress_;
-  std::vector<Index> level_, number_;
+  std::vector<Index> level_;
 };
 
 }  // namespace
@@ -131,8 +135,8 @@ MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress) {
   const Index never = static_cast<Index>(ranks.size());
   const std::vector<Edge> pairs = edges;
   progress.check();
-  Bisection bisection(graph.nodeCount(), edges.size(), never, progress);
-  const std::vector<Index> level = std::move(bisection).run(std::move(edges));
+  Bisection bisection(edges.size(), never, progress);
+  const std::vector<Index> level = std::move(bisection).run(graph.nodeCount(), std::move(edges));
 
   std::vector<Index> byLevel(pairs.size());
   std::iota(byLevel.begin(), byLevel.end(), 0);
