@@ -115,7 +115,7 @@ auto FaceStepKernel<Bytes, Count, Curved>::bend() -> F {
   const F size = lengthOf(constant_), gradient = 2.0F * size * (1.0F + 0.2F * nearness);
   F missing = 2.6F * duration * gradient * astray;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    const auto again = missing > 0.1F * tolerance_;
+    const auto again = missing > 0.5F * tolerance_;
     if (!isAny(again)) break;
     FloatPair next[kNodes], rate[kNodes], displaced[kNodes];
     for (int i = 0; i < kNodes; ++i) {

@@ -2,7 +2,10 @@
 // trace is the same as one that Integrator::run follows alone.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <numeric>
+#include <span>
 #include <vector>
 
 #include "tracing/integrator.h"
@@ -58,17 +61,16 @@ void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
     return true;
   };
 
-  // A lane with nothing to do asks again whenever another has come to an end, which may have made more.
-  std::array<bool, FaceSteps::kCount> idle;
-  idle.fill(true);
+  // A lane with nothing to do asks again when another has gone a step, which may have made more.
+  std::array<int, FaceSteps::kCount> idle;
+  std::iota(idle.begin(), idle.end(), 0);
+  auto lastIdle = idle.end();
   while (true) {
-    for (int i = 0; i < FaceSteps::kCount; ++i) {
-      if (idle[i]) idle[i] = !prepare(lanes[i], i);
-    }
+    lastIdle = std::remove_if(idle.begin(), lastIdle, [&](int i) { return prepare(lanes[i], i); });
     const std::span<const int> advanced = steps.advance();
     if (advanced.empty()) return;
     for (const int i : advanced) {
-      if (finish(lanes[i], i)) idle[i] = true;
+      if (finish(lanes[i], i)) *lastIdle++ = i;
     }
   }
 }
