@@ -1,13 +1,17 @@
 """Streamlines on the gas engine beside VTK's surface streamlines: same mesh, arc length and (first) seeds, in one run.
 
-Edge crossings per second of processor time (VTK's by the length of its lines: many end early), and the distance of each
-end from that of a fine run of the same program (its own interpolation), in mean edge lengths: median, 95 %, largest.
+Edge crossings per second (VTK's by the length of its lines: many end early), of processor time and as the clock on the
+wall says with every core the process may use, and the distance of each end from that of a fine run of the same program
+(its own interpolation), in mean edge lengths: median, 95 %, largest. Stormfield quotes the loosest tolerance at which
+95 % of its errors are below 1e-4; VTK its fastest step, its finest, and the one whose errors come nearest to 1e-4.
 VTK: SurfaceStreamlines on, Runge-Kutta 4, fixed steps given in the output, no vorticity; VTK's evenly spaced
 streamlines (vtkEvenlySpacedStreamlines2D) are planar only and no peer.
 Seeds are such that the streamline has the whole length. Needs PyPI's `vtk` and the thesis's data set.
 """
 
 import contextlib
+import math
+import os
 import time
 from pathlib import Path
 
@@ -24,14 +28,19 @@ SEEDS, LENGTH = 2000, 100.0  # number, arc length in mean edges
 VTK_SEEDS = 400  # of these, the first
 
 
+WANTED = 1e-4  # 95 % of the errors, mean edges
+
+
 def timed(work, repeats):
-    """Least processor time of several runs, seconds, and the last result."""
-    best, result = np.inf, None
+    """Least processor time and least time on the wall of several runs, seconds, and the last result."""
+    processor = wall = np.inf
+    result = None
     for _ in range(repeats):
-        began = time.process_time()
+        began, began_wall = time.process_time(), time.perf_counter()
         result = work()
-        best = min(best, time.process_time() - began)
-    return best, result
+        processor = min(processor, time.process_time() - began)
+        wall = min(wall, time.perf_counter() - began_wall)
+    return processor, wall, result
 
 
 @pytest.mark.parametrize("cuts", [0, 1], ids=["as it is", "each face cut in four"])
@@ -67,27 +76,42 @@ def bench_streamlines_beside_vtk(cuts):
     crossings = int(crossed.sum())
     print(f"\n{surface.face_count} faces, {len(faces)} seeds, {LENGTH:g} edges: {crossings} edge crossings")
 
-    best_rate = {}
-    for tolerance in (1e-4, 1e-5, 1e-6, 1e-7):
-        seconds, traces = timed(lambda t=tolerance: ours(t), 5)
+    quoted = None
+    for tolerance in (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7):
+        processor, wall, traces = timed(lambda t=tolerance: ours(t), 5)
         both = whole & np.array([reason == "length" for reason in traces.reasons])
         errors = np.linalg.norm(traces.points[traces.offsets[1:] - 1] - exact.points[last], axis=1)[both] / edge
-        best_rate[tolerance] = crossings / seconds
-        report(f"Stormfield, tolerance {tolerance:g}", crossings / seconds, errors)
+        rates = crossings / processor, crossings / wall
+        report(f"Stormfield, tolerance {tolerance:g}", rates, errors)
+        if quoted is None and np.percentile(errors, 95) < WANTED:
+            quoted = tolerance, rates
 
     few = slice(0, VTK_SEEDS)
     trace = vtk_streamlines(vtk, surface, vectors, surface.positions(faces[few], barycentric[few]), LENGTH * edge)
     fine, _length = trace(0.005 * edge)
     per_length = crossings / exact.lengths.sum()
-    vtk_best = 0.0
-    for step in (0.5, 0.25, 0.1):
-        seconds, (ends, length) = timed(lambda s=step: trace(s * edge), 2 if step < 0.2 else 3)
-        same = np.array([a is not None and b is not None for a, b in zip(ends, fine, strict=True)])
-        errors = np.array([np.linalg.norm(a - b) for a, b, s in zip(ends, fine, same, strict=True) if s]) / edge
-        rate = per_length * length / seconds
-        vtk_best = max(vtk_best, rate)
-        report(f"VTK {vtk.vtkVersion.GetVTKVersion()}, Runge-Kutta 4, step {step:g} edge", rate, errors)
-    print(f"ratio to VTK's fastest: {best_rate[1e-5] / vtk_best:.0f} at 1e-5, {best_rate[1e-6] / vtk_best:.0f} at 1e-6")
+    peers = []
+    for step in (0.5, 0.25, 0.1, 0.02):
+        processor, wall, (ends, length) = timed(lambda s=step: trace(s * edge), 1 if step < 0.2 else 3)
+        pairs = [(a, b) for a, b in zip(ends, fine, strict=True) if a is not None and b is not None]
+        errors = np.array([np.linalg.norm(a - b) for a, b in pairs]) / edge
+        rates = per_length * length / processor, per_length * length / wall
+        report(f"VTK {vtk.vtkVersion.GetVTKVersion()}, Runge-Kutta 4, step {step:g} edge", rates, errors)
+        peers.append((step, rates, np.percentile(errors, 95)))
+    if quoted is None:
+        print("Stormfield: no tolerance has 95 % of the errors below the wanted")
+        return
+    tolerance, (one_core, all_cores) = quoted
+    cores = len(os.sched_getaffinity(0))
+    print(f"Stormfield at 95 % of the errors < {WANTED:g} edges (tolerance {tolerance:g}), points kept:")
+    print(f"    {one_core / 1e6:.2f} M/s per core, {all_cores / 1e6:.2f} M/s on {cores} cores by the wall")
+    fastest = max(peers, key=lambda peer: peer[1][1])
+    nearest = min(peers, key=lambda peer: abs(math.log(peer[2] / WANTED)))
+    for name, (step, rates, most) in (("fastest", fastest), ("nearest in error", nearest), ("finest", peers[-1])):
+        print(
+            f"ratio to VTK's {name} step ({step:g} edge, 95 % of errors < {most:.0e}): "
+            f"{one_core / rates[0]:.0f} core for core, {all_cores / rates[1]:.0f} on {cores} cores by the wall"
+        )
 
 
 def cut_in_four(points, triangles, vectors):
@@ -103,10 +127,11 @@ def cut_in_four(points, triangles, vectors):
     )
 
 
-def report(name, rate, errors):
+def report(name, rates, errors):
     median, most, worst = np.percentile(errors, [50, 95, 100])
     print(
-        f"{name:40} {rate / 1e6:8.3f} M crossings/s   errors {median:.1e} {most:.1e} {worst:.1e} edges of {len(errors)}"
+        f"{name:40} {rates[0] / 1e6:8.3f} M crossings/s per core, {rates[1] / 1e6:8.3f} by the wall   "
+        f"errors {median:.1e} {most:.1e} {worst:.1e} edges of {len(errors)}"
     )
 
 
