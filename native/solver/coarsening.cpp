@@ -56,6 +56,11 @@ void appendRows(Index rows, std::vector<std::size_t>& start, std::vector<Index>&
       parts[b].terms.insert(parts[b].terms.end(), row.begin(), row.end());
     }
   });
+  std::size_t terms = column.size();
+  for (const Part& part : parts) terms += part.terms.size();
+  start.reserve(start.size() + rows);
+  column.reserve(terms);
+  value.reserve(terms);
   for (Part& part : parts) {
     for (const std::size_t length : part.lengths) start.push_back(start.back() + length);
     for (const Term& term : part.terms) {
@@ -232,6 +237,8 @@ Interpolation permuted(const Interpolation& interpolation, const std::vector<Ind
                        const std::vector<Index>& columnRank) {
   Interpolation result;
   result.start.reserve(rowOrder.size() + 1);
+  result.column.reserve(interpolation.column.size());
+  result.value.reserve(interpolation.value.size());
   for (const Index source : rowOrder) {
     for (std::size_t k = interpolation.start[source]; k < interpolation.start[source + 1]; ++k) {
       result.column.push_back(columnRank[interpolation.column[k]]);

@@ -71,6 +71,11 @@ ConnectionLaplacian connectionLaplacian(const VertexCharts& charts) {
   for (std::size_t i = 0; i < result.vertex.size(); ++i) rowOf[result.vertex[i]] = static_cast<Index>(i);
 
   SurfaceMatrix& matrix = result.matrix;
+  matrix.start.reserve(result.vertex.size() + 1);
+  matrix.column.reserve(2 * mesh.edgeCount());
+  matrix.value.reserve(2 * mesh.edgeCount());
+  matrix.diagonal.reserve(result.vertex.size());
+  matrix.mass.reserve(result.vertex.size());
   std::vector<std::pair<Index, Complex>> row;
   for (const Index v : result.vertex) {
     row.clear();

@@ -30,6 +30,9 @@ SurfaceLevel makeLevel(const SurfaceMatrix& matrix, SweepOrder sweep, const Lamb
   level.sweep = std::move(sweep);
   level.lambda = lambda;
   level.couplings = toSingle(matrix);
+  level.split.reserve(matrix.rows());
+  level.diagonal.reserve(matrix.rows());
+  level.lambdaCoupling.reserve(matrix.rows());
   for (Index i = 0; i < matrix.rows(); ++i) {
     const auto first = matrix.column.begin() + matrix.start[i];
     const auto last = matrix.column.begin() + matrix.start[i + 1];

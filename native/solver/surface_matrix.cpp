@@ -17,6 +17,8 @@ SurfaceMatrix permuted(const SurfaceMatrix& matrix, const std::vector<Index>& or
   result.start.reserve(order.size() + 1);
   result.column.reserve(matrix.column.size());
   result.value.reserve(matrix.value.size());
+  result.diagonal.reserve(order.size());
+  result.mass.reserve(order.size());
   std::vector<std::pair<Index, Complex>> row;
   for (const Index source : order) {
     row.clear();
