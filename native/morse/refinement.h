@@ -6,7 +6,8 @@
 // place. What a set splits into stays within it, the other sets and the order between sets do not change
 // (thesis 8.2.1), so that every round leaves a valid decomposition. Images are followed only while they come back to
 // the set (set_windows.h), so that a larger tau, with fewer points that stay, costs little. A set is done when its
-// priority is low, when its tau would exceed the limit, or when doubling no longer changes it.
+// priority is low, when its tau would exceed the limit, or when doubling no longer changes it. What shares faces stays
+// together whatever tau is: transit_refinement.h goes on from there.
 //
 //   MorseRefinement refinement(faces, field, {.tauMax = 0.5});
 //   const RefinementStop stop = refinement.refine(&progress);

@@ -6,6 +6,14 @@
 // nothing comes back to) are done; so are those that halving leaves as they are, and those that have come to the last
 // level. Sets may be parted inside a face: a face may be met by several.
 //
+// Maps of whole faces, of whatever tau, cannot part that much: where a trajectory that comes from a saddle and one that
+// goes there pass through the same face, F leads from the saddle to the face and back, and so for a chain of saddles. On
+// the gas engine of the thesis (26,298 faces) this joins 17 of the 64 fixed points and orbits in 7 sets: 54 sets are the
+// most that refinement by tau can find there.
+//
+// Outside the sets pieces stay as coarse as they were when they were left, so that the order of the sets may hold more
+// than the flow.
+//
 // The index is exact. Let N be a set's strips: in each face, what flows from its pieces of entry to its pieces of exit,
 // with the fixed points. N is connected, flow enters it over its pieces and leaves it over pieces beyond it. So b0 = 1
 // just when no edge of the map leads out of the set (what is in N stays), b2 = 1 just when none leads into it (the same
