@@ -7,9 +7,9 @@
 // level. Sets may be parted inside a face: a face may be met by several.
 //
 // Maps of whole faces, of whatever tau, cannot part that much: where a trajectory that comes from a saddle and one that
-// goes there pass through the same face, F leads from the saddle to the face and back, and so for a chain of saddles. On
-// the gas engine of the thesis (26,298 faces) this joins 17 of the 64 fixed points and orbits in 7 sets: 54 sets are the
-// most that refinement by tau can find there.
+// goes there pass through the same face, F leads from the saddle to the face and back, and so for a chain of saddles.
+// On the gas engine of the thesis (26,298 faces) this joins 17 of the 64 fixed points and orbits in 7 sets: 54 sets are
+// the most that refinement by tau can find there.
 //
 // Outside the sets pieces stay as coarse as they were when they were left, so that the order of the sets may hold more
 // than the flow.
