@@ -16,8 +16,8 @@ namespace {
 
 /// A set that keeps this part of its pieces and more after all of them were halved has lost hardly any.
 constexpr double kHardlyAny = 0.9;
-/// Levels beyond the last that refining one set by hand may take.
-constexpr int kByHand = 4;
+/// Levels beyond the last: for sets of so few nodes, which cost little (rings around weak spirals), and by hand.
+constexpr int kSmallSet = 500, kLevelsOfSmall = 6, kLevelsByHand = 4;
 /// Memory per node, of the map and the graph.
 constexpr std::size_t kBytesPerNode = 200;
 
@@ -138,6 +138,10 @@ TransitRefinement::TransitRefinement(std::shared_ptr<const FlatFaces> faces, std
   trials_.resize(nodes_.size());
 }
 
+int TransitRefinement::levelsOf(Index set) const {
+  return options_.levels + (nodes_[set].size() <= kSmallSet ? kLevelsOfSmall : 0);
+}
+
 bool TransitRefinement::isOpen(Index set, int levels) const {
   if (trials_[set].done) return false;
   return std::any_of(nodes_[set].begin(), nodes_[set].end(),
@@ -167,11 +171,11 @@ RefinementStop TransitRefinement::refine(Progress* progress) {
 bool TransitRefinement::round(Progress* progress) {
   std::vector<Index> chosen;
   for (Index s = 0; s < static_cast<Index>(nodes_.size()); ++s) {
-    if (trials_[s].halved || isOpen(s, options_.levels)) chosen.push_back(s);
+    if (trials_[s].halved || isOpen(s, levelsOf(s))) chosen.push_back(s);
   }
   if (chosen.empty()) return false;
   if (progress != nullptr) progress->report(std::min(1.0, static_cast<double>(level_) / options_.levels));
-  refineSets(chosen, options_.levels, progress);
+  refineSets(chosen, 0, progress);
   ++level_;
   return true;
 }
@@ -187,24 +191,24 @@ bool TransitRefinement::refineNodes(const std::vector<Index>& nodes, Progress* p
     }
     return chosen;
   };
-  const int levels = options_.levels + kByHand;
   while (true) {
     std::vector<Index> chosen;
     for (const Index s : setsOf()) {
       trials_[s].done = false;
-      if (isOpen(s, levels)) chosen.push_back(s);
+      if (isOpen(s, levelsOf(s) + kLevelsByHand)) chosen.push_back(s);
     }
     if (chosen.empty() || !fits()) return false;
-    if (refineSets(chosen, levels, progress)) return true;
+    if (refineSets(chosen, kLevelsByHand, progress)) return true;
   }
 }
 
 /// Halves the pieces of some sets and finds what they split into; whether one lost more pieces than halving explains,
 /// or came apart.
-bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int levels, Progress* progress) {
+bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, Progress* progress) {
   std::vector<Index> pieces, owner;
   for (const Index s : chosen) {
     if (trials_[s].halved) continue;
+    const int levels = levelsOf(s) + more;
     for (const Index node : nodes_[s]) {
       if (!map_.isPiece(node) || map_.piece(node).level >= levels) continue;
       pieces.push_back(node);

@@ -36,7 +36,7 @@
 namespace stormfield {
 
 struct TransitOptions {
-  int levels = 8;    ///< halvings of an edge, at most
+  int levels = 8;    ///< halvings of an edge, at most; a few more in small sets
   int patience = 2;  ///< rounds in a row that halve a set's pieces and lose hardly any of them, until it is done
   double maximalSeconds = std::numeric_limits<double>::infinity();  ///< of wall time
   /// Bytes that pieces and graph may take, about; none: half of the memory of the machine.
@@ -78,8 +78,9 @@ class TransitRefinement {
     bool done = false;
   };
 
+  int levelsOf(Index set) const;
   bool isOpen(Index set, int levels) const;
-  bool refineSets(const std::vector<Index>& chosen, int levels, Progress* progress);
+  bool refineSets(const std::vector<Index>& chosen, int more, Progress* progress);
   bool fits() const;
 
   std::shared_ptr<const VectorField> field_;
