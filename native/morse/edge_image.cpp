@@ -24,10 +24,8 @@ constexpr double kFed = 0.025, kFedInFace = 0.1, kMostGrowth = 3.0;
 constexpr double kMostInSet = 0.25;
 /// Padding around chords: this part of how far images may leave them, and of chord and face size at least.
 constexpr double kPadding = 1.0, kChordPadding = 0.01, kLeastPadding = 2e-3;
-
-double faceSize(const FlatFace& face) {
-  return std::sqrt(face.corner(1).real() * face.corner(2).imag());
-}
+/// Of the largest radius of some samples: inside the faces, it may be larger.
+constexpr double kReach = 1.25;
 
 }  // namespace
 
@@ -58,14 +56,14 @@ void EdgeImageMaker::make(std::span<const EdgeToMap> edges, const Keep& keep) {
 }
 
 /// The moves that are asked for, and when there are none, those of another edge.
-bool EdgeImageMaker::next(int lane, SurfacePoint& from, double& tau) {
+bool EdgeImageMaker::next(int lane, Arrival& from, double& tau) {
   while (moves_.empty() && started_ < edges_.size()) start(started_++);
   if (moves_.empty()) return false;
   const Move& move = moving_[lane] = moves_.back();
   moves_.pop_back();
   const Edge& edge = slots_[move.edge];
   const Sample& sample = edge.samples[move.sample];
-  from = sample.place == kNowhere ? pointAt(edge, sample.s) : edge.places[sample.place].at.point;
+  from = sample.place == kNowhere ? Arrival{.point = pointAt(edge, sample.s)} : edge.places[sample.place].at;
   tau = tau_ * move.steps / steps_;
   return true;
 }
@@ -228,7 +226,8 @@ EdgeImageMaker::Verdict EdgeImageMaker::judge(Edge& edge, Interval& interval) {
   const double flat = last ? kFlat : kFlatOnTheWay;
   if (away > flat * shape.size || shape.longest > kLongest * shape.size) return Verdict::Halve;
   if (!last && windows_ == nullptr) return Verdict::Goes;
-  collect(a, middle, b, shape, kPadding * away + kChordPadding * shape.longest + kLeastPadding * shape.size);
+  const double radius = kReach * std::max({a.radius, middle.radius, b.radius});
+  collect(a, middle, b, shape, kPadding * away + kChordPadding * shape.longest + kLeastPadding * shape.size + radius);
   if (!staysInSight(interval.step)) return Verdict::Done;
   if (!last) return Verdict::Goes;
   keep(edge);
@@ -302,7 +301,7 @@ bool EdgeImageMaker::staysInSight(int step) const {
 void EdgeImageMaker::bridge(Edge& edge, const Stop& from, const Stop& to, int step) {
   const auto atTheEnd = [&](const Stop& stop) {
     Arrival at = edge.places[stop.place].at;
-    if (!at.left && step < steps_) at = forward_->move(at.point, tau_ * (steps_ - step) / steps_);
+    if (!at.left && step < steps_) at = forward_->move(at, tau_ * (steps_ - step) / steps_);
     edge.image.leaves |= at.left;
     return at;
   };
@@ -310,12 +309,12 @@ void EdgeImageMaker::bridge(Edge& edge, const Stop& from, const Stop& to, int st
   if (a.left && b.left) return;
   const Shape shape = shapeOf(a, a, b);
   if (shape.comparable() && shape.longest <= kFlat * shape.size) {
-    collect(a, a, b, shape, shape.longest);
+    collect(a, a, b, shape, shape.longest + kReach * std::max(a.radius, b.radius));
     keep(edge);
   } else if (a.left || b.left) {
     addTorn(edge, edge.samples[a.left ? to.sample : from.sample].s);
   } else {
-    addParting(edge, edge.samples[from.sample].s, edge.samples[to.sample].s);
+    addParting(edge, edge.samples[from.sample].s, edge.samples[to.sample].s, kReach * std::max(a.radius, b.radius));
   }
 }
 
@@ -343,13 +342,15 @@ void EdgeImageMaker::addTorn(Edge& edge, double staying) {
 }
 
 /// Both stay, on trajectories that part on the way: between their ends lies what they met after that.
-void EdgeImageMaker::addParting(Edge& edge, double a, double b) {
+void EdgeImageMaker::addParting(Edge& edge, double a, double b, double radius) {
   const auto wayA = forward_->way(pointAt(edge, a), tau_), wayB = forward_->way(pointAt(edge, b), tau_);
   std::size_t common = 0;
   while (common < std::min(wayA.size(), wayB.size()) && wayA[common].point.face == wayB[common].point.face) ++common;
   for (const auto* way : {&wayA, &wayB}) {
     for (std::size_t i = common == 0 ? 0 : common - 1; i < way->size(); ++i) {
-      edge.image.faces.push_back((*way)[i].point.face);
+      const auto& [face, at] = (*way)[i].point;
+      const Complex p = flow_->faces()[face].point(at);
+      near_.collect(face, p, p, radius, edge.image.faces, [](Index) {});
     }
   }
 }

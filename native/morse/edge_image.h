@@ -110,7 +110,7 @@ class EdgeImageMaker final : private Moves {
   };
   enum class Verdict { Goes, Done, Halve };
 
-  bool next(int lane, SurfacePoint& from, double& tau) override;
+  bool next(int lane, Arrival& from, double& tau) override;
   void arrive(int lane, const Arrival& at) override;
 
   void start(std::size_t number);
@@ -132,7 +132,7 @@ class EdgeImageMaker final : private Moves {
   SurfacePoint pointAt(const Edge& edge, double s) const;
   void bridge(Edge& edge, const Stop& from, const Stop& to, int step);
   void addTorn(Edge& edge, double staying);
-  void addParting(Edge& edge, double a, double b);
+  void addParting(Edge& edge, double a, double b, double radius);
 
   const TauFlow* flow_;
   double tau_;

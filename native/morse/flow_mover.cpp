@@ -30,7 +30,8 @@ double rateOf(Direction direction) {
 class Journey {
  public:
   Journey() = default;
-  Journey(const SurfacePoint& from, double tau) : from_(from), before_(from), tau_(tau) {}
+  Journey(const Arrival& from, double tau)
+      : from_(from.point), before_(from.point), tau_(tau), radius_(from.radius), face_(from.point.face) {}
 
   const SurfacePoint& from() const { return from_; }
   double done() const { return done_; }
@@ -44,31 +45,37 @@ class Journey {
     before_ = p;
     return rest;
   }
+  /// To be told of every step too, where there is an error: the face it came to, and when in this stretch.
+  void part(const Parting& parting, Index face, double time) {
+    radius_ = parting.after(radius_, face_, time - time_);
+    face_ = face;
+    time_ = time;
+  }
   /// After a stretch: whether another one follows, from its end.
   bool goesOn(const TraceEnd& end) {
     if (end.reason != StopReason::StepLimit || !(end.time > kStuck * tau_)) return false;
     from_ = end.point;
     done_ += end.time;
+    time_ = 0.0;
     return true;
   }
+  Arrival arrival(const TraceEnd& end) const { return {end.point, end.reason == StopReason::Boundary, radius_}; }
 
  private:
   SurfacePoint from_, before_;
-  double tau_ = 0.0, done_ = 0.0;
+  double tau_ = 0.0, done_ = 0.0, time_ = 0.0, radius_ = 0.0;
+  Index face_ = kNone;
   unsigned steps_ = 0;
 };
-
-Arrival arrival(const TraceEnd& end) {
-  return {end.point, end.reason == StopReason::Boundary};
-}
 
 template <typename Flow>
 class FlowMover final : public Mover {
  public:
-  FlowMover(const FlatFaces& faces, const Flow& flow, const TraceOptions& options, const Progress* progress)
-      : integrator_(faces, flow, options, 0.0), progress_(progress) {}
+  FlowMover(const FlatFaces& faces, const Flow& flow, const TraceOptions& options, const Parting* parting,
+            const Progress* progress)
+      : integrator_(faces, flow, options, 0.0), parting_(parting), progress_(progress) {}
 
-  Arrival move(const SurfacePoint& from, double tau) override {
+  Arrival move(const Arrival& from, double tau) override {
     return follow(from, tau, [](const SurfacePoint&, double) {});
   }
 
@@ -77,7 +84,7 @@ class FlowMover final : public Mover {
       SideBySide work{*this, moves, {}, {}};
       traceSideBySide(integrator_, work);
     } else {
-      SurfacePoint from;
+      Arrival from;
       double tau = 0.0;
       while (moves.next(0, from, tau)) moves.arrive(0, move(from, tau));
     }
@@ -85,22 +92,23 @@ class FlowMover final : public Mover {
 
   std::vector<Passage> way(const SurfacePoint& from, double tau) override {
     std::vector<Passage> passages;
-    follow(from, tau, [&](const SurfacePoint& p, double time) { passages.push_back({p, time}); });
+    follow({.point = from}, tau, [&](const SurfacePoint& p, double time) { passages.push_back({p, time}); });
     return passages;
   }
 
  private:
   template <typename Visit>
-  Arrival follow(const SurfacePoint& from, double tau, const Visit& visit) {
+  Arrival follow(const Arrival& from, double tau, const Visit& visit) {
     Journey journey(from, tau);
     while (true) {
       const TraceEnd end =
           integrator_.run(journey.from(), 0.0, journey.left(), [&](const SurfacePoint& p, double time) {
             look();
             visit(p, journey.done() + time);
+            if (parting_ != nullptr) journey.part(*parting_, p.face, time);
             return !journey.rests([&] { return p; });
           });
-      if (!journey.goesOn(end)) return arrival(end);
+      if (!journey.goesOn(end)) return journey.arrival(end);
     }
   }
 
@@ -114,9 +122,10 @@ class FlowMover final : public Mover {
     bool next(int lane, SurfacePoint& seed, double& maximalTime) {
       Journey& journey = journeys[lane];
       if (!goesOn[lane]) {
+        Arrival from;
         double tau = 0.0;
-        if (!moves.next(lane, seed, tau)) return false;
-        journey = Journey(seed, tau);
+        if (!moves.next(lane, from, tau)) return false;
+        journey = Journey(from, tau);
       }
       seed = journey.from();
       maximalTime = journey.left();
@@ -125,11 +134,14 @@ class FlowMover final : public Mover {
     }
     bool step(int lane, const Integrator<Flow>& integrator) {
       mover.look();
+      if (mover.parting_ != nullptr) {
+        journeys[lane].part(*mover.parting_, integrator.here().face, integrator.elapsed());
+      }
       return !journeys[lane].rests([&] { return integrator.here(); });
     }
     void end(int lane, const TraceEnd& traceEnd) {
       goesOn[lane] = journeys[lane].goesOn(traceEnd);
-      if (!goesOn[lane]) moves.arrive(lane, arrival(traceEnd));
+      if (!goesOn[lane]) moves.arrive(lane, journeys[lane].arrival(traceEnd));
     }
   };
 
@@ -138,6 +150,7 @@ class FlowMover final : public Mover {
   }
 
   Integrator<Flow> integrator_;
+  const Parting* parting_;
   const Progress* progress_;
   unsigned steps_ = 0;
 };
@@ -173,7 +186,8 @@ std::vector<double> slowSpeeds(const VectorField& field) {
   return sum;
 }
 
-TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit, double tolerance)
+TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit, double tolerance,
+                 const FieldError& error)
     : faces_(&faces), field_(&field), unit_(unit), tolerance_(tolerance), flowsOut_(mesh().halfedgeCount(), 0) {
   if (field.values.size() != static_cast<std::size_t>(mesh().vertexCount())) {
     throw InputError("the field of the tau map belongs to another mesh");
@@ -192,6 +206,8 @@ TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit,
     against_ = prepareFaces(faces, SteadyFlow(field.values.data(), rateOf(Direction::Backward)));
   }
   measureFaces();
+  checkError(mesh(), error);
+  if (error.epsilon > 0.0) parting_ = std::make_unique<const Parting>(faces, field, unit, growth_, slowSpeeds_, error);
   for (Index h = 0; h < mesh().halfedgeCount(); ++h) {
     flowsOut_[h] = mesh().twin(h) == kNone && crossedOutwards(faces, field, h);
   }
@@ -228,16 +244,17 @@ void TauFlow::measureFaces() {
 
 std::unique_ptr<Mover> TauFlow::mover(Direction direction, const Progress* progress) const {
   const double rate = rateOf(direction);
+  const Parting* const parting = direction == Direction::Forward ? parting_.get() : nullptr;
   TraceOptions options;
   options.direction = direction;
   options.tolerance = tolerance_;
   if (unit_ == TauUnit::Time) {
     const auto& prepared = direction == Direction::Backward ? against_ : along_;
     return std::make_unique<FlowMover<SteadyFlow>>(*faces_, SteadyFlow(field_->values.data(), rate, prepared.get()),
-                                                   options, progress);
+                                                   options, parting, progress);
   }
   return std::make_unique<FlowMover<UnitSpeedFlow>>(
-      *faces_, UnitSpeedFlow(field_->values.data(), slowSpeeds_.data(), rate), options, progress);
+      *faces_, UnitSpeedFlow(field_->values.data(), slowSpeeds_.data(), rate), options, parting, progress);
 }
 
 }  // namespace stormfield

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "morse/parting.h"
 #include "morse/tau_map.h"
 #include "tracing/face_flow.h"
 #include "tracing/trace.h"
@@ -14,7 +15,8 @@ namespace stormfield {
 /// Where a point has come to.
 struct Arrival {
   SurfacePoint point;
-  bool left = false;  ///< the boundary stopped it, at point, before tau was over
+  bool left = false;    ///< the boundary stopped it, at point, before tau was over
+  double radius = 0.0;  ///< how far from it fields within the error may have taken it, mesh units
 };
 
 /// A point on the way, and how much of tau it took to get there.
@@ -30,8 +32,8 @@ class Moves {
   static constexpr int kLanes = 32;  ///< at most
 
   virtual ~Moves() = default;
-  /// The lane's next point and how far to move it; false where there is none now.
-  virtual bool next(int lane, SurfacePoint& from, double& tau) = 0;
+  /// Where the lane's next point has come to and how far to move it; false where there is none now.
+  virtual bool next(int lane, Arrival& from, double& tau) = 0;
   virtual void arrive(int lane, const Arrival& at) = 0;
 };
 
@@ -39,7 +41,8 @@ class Moves {
 class Mover {
  public:
   virtual ~Mover() = default;
-  virtual Arrival move(const SurfacePoint& from, double tau) = 0;
+  virtual Arrival move(const Arrival& from, double tau) = 0;
+  Arrival move(const SurfacePoint& from, double tau) { return move(Arrival{.point = from}, tau); }
   /// Until there are no more.
   virtual void moveAll(Moves& moves) = 0;
   /// All points where the trajectory enters a face or a step of the integrator ends, from the first to the last.
@@ -49,14 +52,16 @@ class Mover {
 /// The flow of a field in time or arc length, prepared once for many movers. The faces and the field must outlive it.
 class TauFlow {
  public:
-  /// Throws InputError for a field of another mesh or with values that are not finite.
-  TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit, double tolerance);
+  /// Throws InputError for a field of another mesh or with values that are not finite, and for an error without meaning
+  /// or on a surface with a boundary.
+  TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit, double tolerance,
+          const FieldError& error = {});
 
   const FlatFaces& faces() const { return *faces_; }
   const TriangleMesh& mesh() const { return faces_->mesh(); }
   const VectorField& field() const { return *field_; }
   TauUnit unit() const { return unit_; }
-  /// Movers look at the progress now and then and throw Cancelled.
+  /// Movers look at the progress now and then and throw Cancelled. Forward, arrivals come with their radius.
   std::unique_ptr<Mover> mover(Direction direction, const Progress* progress) const;
   /// Whether the field points out of the surface somewhere on a boundary halfedge.
   bool flowsOut(Index h) const { return flowsOut_[h] != 0; }
@@ -77,6 +82,7 @@ class TauFlow {
   std::vector<double> slowSpeeds_, growth_, bending_;
   std::vector<char> flowsOut_;
   std::unique_ptr<FaceFlow[]> along_, against_;  ///< per face, for movers in time
+  std::unique_ptr<const Parting> parting_;       ///< where there is an error
 };
 
 }  // namespace stormfield

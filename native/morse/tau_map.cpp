@@ -91,7 +91,10 @@ CombinatorialMap tauMap(const FlatFaces& faces, const VectorField& field, const 
     throw InputError(message("there are ", taus.size(), " values of tau for ", faceCount, " faces; give one for each"));
   }
   auto groups = groupFaces(taus);
-  const TauFlow flow(faces, field, options.unit, options.tolerance);
+  if (options.error.epsilon > 0.0 && groups.contains(0.0)) {
+    throw InputError("an error bound needs a tau > 0 on every face; rows of the geometry-based map have their own");
+  }
+  const TauFlow flow(faces, field, options.unit, options.tolerance, options.error);
   const std::size_t limit = options.memoryLimit.value_or(halfOfMemory());
   checkMemory(flow, groups.rbegin()->first, limit, progress);
 

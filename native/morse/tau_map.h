@@ -27,12 +27,20 @@ enum class TauUnit {
   Length,  ///< mesh units: phi is the flow of V at unit speed, which has the same trajectories (unit_speed_flow.h)
 };
 
+/// What is not known of a field: each vector by up to epsilon * weight, mesh units per second.
+struct FieldError {
+  double epsilon = 0.0;
+  std::vector<double> weights{};  ///< one per vertex, not negative; empty: 1
+};
+
 struct TauMapOptions {
   TauUnit unit = TauUnit::Time;
   /// Largest estimated error of one step of a trace, in mean edge lengths.
   double tolerance = 1e-5;
   /// Bytes that F and the work on it may take; none: half of the memory of the machine.
   std::optional<std::size_t> memoryLimit{};
+  /// F holds for all fields within the error (parting.h); on closed surfaces only.
+  FieldError error{};
 };
 
 /// What the work took.
@@ -44,7 +52,8 @@ struct TauWork {
 /// Rows depend on their own face's tau only, so that parts can be computed on their own (refinement.h). The same bits
 /// for any number of threads; at most 64 bytes per edge of F at the peak. Throws InputError for a field of another
 /// mesh, for a tau that is not a positive number, and before the work begins when F would not fit into memory (the
-/// message names the largest tau that does); Cancelled.
+/// message names the largest tau that does); for an error that is not a number >= 0, is given with a boundary, or lets
+/// fields part too far to say anything; Cancelled.
 CombinatorialMap tauMap(const FlatFaces& faces, const VectorField& field, double tau, const TauMapOptions& options = {},
                         Progress* progress = nullptr, TauWork* work = nullptr);
 

@@ -101,28 +101,28 @@ class StepwiseMoves final : public Moves {
   StepwiseMoves(std::size_t first, std::size_t last, double step, Start start, Keep keep)
       : next_(first), last_(last), step_(step), start_(std::move(start)), keep_(std::move(keep)) {}
 
-  bool next(int lane, SurfacePoint& from, double& tau) override {
-    auto& [point, place, steps] = points_[lane];
+  bool next(int lane, Arrival& from, double& tau) override {
+    auto& [now, place, steps] = points_[lane];
     if (steps == 0) {
       if (next_ == last_) return false;
       place = next_++;
-      point = start_(place);
+      now = {.point = start_(place)};
     }
-    from = point;
+    from = now;
     tau = step_;
     return true;
   }
   void arrive(int lane, const Arrival& at) override {
-    auto& [point, place, steps] = points_[lane];
+    auto& [now, place, steps] = points_[lane];
     bool going = keep_(place, ++steps, at);
     while (going && at.left) going = keep_(place, ++steps, at);
-    point = at.point;
+    now = at;
     if (!going) steps = 0;
   }
 
  private:
   struct Point {
-    SurfacePoint point;
+    Arrival now;
     std::size_t place = 0;
     int steps = 0;
   };

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <unordered_set>
 #include <vector>
 
 #include "tracing/flat_faces.h"
@@ -60,15 +62,24 @@ class NearFaces {
   };
 
   bool visit(Index f) {
+    if (visited_.size() == kFew) return visitedToo_.insert(f).second;
     if (std::find(visited_.begin(), visited_.end(), f) != visited_.end()) return false;
     visited_.push_back(f);
+    if (visited_.size() == kFew) visitedToo_.insert(visited_.begin(), visited_.end());
     return true;
   }
 
   const FlatFaces* faces_;
   std::vector<Laid> stack_;
-  std::vector<Index> visited_;  ///< few enough to be searched one by one
+  static constexpr std::size_t kFew = 32;  ///< may be searched one by one
+  std::vector<Index> visited_;
+  std::unordered_set<Index> visitedToo_;  ///< all, where they are more
 };
+
+/// Edge length of the square of twice the face's area.
+inline double faceSize(const FlatFace& face) {
+  return std::sqrt(face.corner(1).real() * face.corner(2).imag());
+}
 
 /// Distance between the segments p q and a b in the plane.
 double segmentDistance(Complex p, Complex q, Complex a, Complex b);
@@ -89,6 +100,7 @@ template <typename OnBoundary>
 void NearFaces::collect(Index base, Complex from, Complex to, double distance, std::vector<Index>& list,
                         const OnBoundary& onBoundary) {
   visited_.assign(1, base);
+  if (!visitedToo_.empty()) visitedToo_.clear();
   stack_.assign(1, {base, kNone, {}});
   while (!stack_.empty()) {
     const Laid at = stack_.back();

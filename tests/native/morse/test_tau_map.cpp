@@ -11,6 +11,7 @@
 #include "combinatorial/geometry_map.h"
 #include "data_sets.h"
 #include "fixtures.h"
+#include "morse/error_bound.h"
 #include "morse/flow_mover.h"
 #include "morse/tau_map.h"
 
@@ -27,12 +28,12 @@ class Escapes final : public Moves {
   Escapes(const CombinatorialMap& map, double tau, int tries, const std::vector<Index>& asked)
       : map_(map), tau_(tau), left_(tries), asked_(asked) {}
 
-  bool next(int lane, SurfacePoint& from, double& tau) override {
+  bool next(int lane, Arrival& from, double& tau) override {
     if (left_-- <= 0) return false;
     const Index face =
         asked_.empty() ? random_.below(map_.outside()) : asked_[random_.below(static_cast<Index>(asked_.size()))];
-    from = {face, random_.barycentric()};
-    from_[lane] = from.face;
+    from = {.point = {face, random_.barycentric()}};
+    from_[lane] = face;
     tau = tau_;
     return true;
   }
@@ -193,6 +194,64 @@ TEST(TauMap, EnclosesWhatPassesTheBoundaryWhereAllEdgesLeave) {
   ASSERT_FALSE(end.left);
   EXPECT_TRUE(leadsTo(map, passing.face, end.point.face));
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Length, tau, 2000, {2, 3, 4, 5}), 0);
+}
+
+/// A field within the error: along a vector in space, turning, or at random.
+VectorField disturbed(const VectorField& field, double epsilon, int kind) {
+  VectorField result = field;
+  Random random(100 + kind);
+  const Vec3 direction = random.vector();
+  const VectorField along = fromSpace(field.charts, direction.transpose().replicate(field.mesh().vertexCount(), 1));
+  for (std::size_t v = 0; v < field.values.size(); ++v) {
+    const Complex turn = kind % 3 == 0   ? along.values[v]
+                         : kind % 3 == 1 ? Complex(0.0, 1.0) * field.values[v]
+                                         : std::polar(1.0, random.uniform(0.0, 6.28));
+    if (std::abs(turn) > 0.0) result.values[v] += 0.999 * epsilon * turn / std::abs(turn);
+  }
+  return result;
+}
+
+void expectHolds(const Surface& surface, bool rough, TauUnit unit, int kinds) {
+  const auto charts = makeCharts(surface);
+  const FlatFaces faces(charts);
+  // A random field draws everything apart: it is followed not as far.
+  const VectorField field = rough ? randomField(charts, 3) : smoothField(charts);
+  const double epsilon = 0.2 * meanSpeed(field), tau = startingTau(field, unit, rough ? 0.3 : 1.5);
+  const CombinatorialMap exact = tauMap(faces, field, tau, {.unit = unit});
+  const CombinatorialMap map = tauMap(faces, field, tau, {.unit = unit, .error = {epsilon, {}}});
+  for (Index f = 0; f < map.outside(); ++f) {
+    EXPECT_TRUE(std::includes(map.graph.begin(f), map.graph.end(f), exact.graph.begin(f), exact.graph.end(f)));
+  }
+  int without = 0;
+  for (int kind = 0; kind < kinds; ++kind) {
+    const VectorField other = disturbed(field, epsilon, kind);
+    EXPECT_EQ(escapes(faces, other, map, unit, tau, tries(500)), 0) << rough << static_cast<int>(unit) << kind;
+    without += escapes(faces, other, exact, unit, tau, tries(500));
+  }
+  EXPECT_GT(without, 0) << "the map without the error holds as well";
+}
+
+TEST(TauMap, HoldsForAllFieldsWithinTheError) {
+  expectHolds(torus(14, 9), false, TauUnit::Time, 3);
+  expectHolds(torus(14, 9), true, TauUnit::Length, 3);
+  if (tries(1) == 1) return;
+  for (const Surface& surface : {bumpySphere(2), torus(14, 9), icosphere(3)}) {
+    for (const bool rough : {false, true}) {
+      for (const TauUnit unit : {TauUnit::Time, TauUnit::Length}) expectHolds(surface, rough, unit, 12);
+    }
+  }
+}
+
+TEST(TauMap, RefusesErrorsItCannotBound) {
+  const auto charts = makeCharts(icosphere(2));
+  const FlatFaces faces(charts);
+  const VectorField field = smoothField(charts);
+  EXPECT_THROW(tauMap(faces, field, 0.1, {.error = {-1.0, {}}}), InputError);
+  EXPECT_THROW(tauMap(faces, field, 0.1, {.error = {std::nan(""), {}}}), InputError);
+  EXPECT_THROW(tauMap(faces, field, 0.1, {.error = {0.1, {1.0}}}), InputError);
+  EXPECT_THROW(tauMap(faces, field, 50.0, {.error = {3.0 * meanSpeed(field), {}}}), InputError);
+  const auto bounded = makeCharts(grid(4));
+  EXPECT_THROW(tauMap(FlatFaces(bounded), randomField(bounded, 1), 0.1, {.error = {0.1, {}}}), InputError);
 }
 
 TEST(TauMap, IsTheSameForAnyNumberOfThreads) {
