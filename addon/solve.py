@@ -33,7 +33,7 @@ class SolverMemory:
     """What solves leave for the next one on the same mesh: its hierarchy, last solutions and buffers.
 
     With it an edit costs about half a solve. The field then agrees with one solved from zero to the tolerance, but not
-    to the bit: it depends on the edits before. Some 40 bytes per vertex and λ sample for each field.
+    to the bit: it depends on the edits before. Some 40 to 60 bytes per vertex and λ sample for each field.
     """
 
     def __init__(self) -> None:

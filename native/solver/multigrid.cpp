@@ -165,7 +165,7 @@ double Multigrid::cycle(std::size_t l, const float* b, float* x, const std::vect
   auto backward = [&] {
     for (Index colour = sweep.colours() - 1; colour >= 0; --colour) {
       forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], parallel, progress, [&](Index chunk) {
-        if (isSilent(chunk)) return;
+        if (isSilent(chunk) && !touched(chunk, silent)) return;
         Relaxation relax(level, inverse, mass.data(), b, x, true);
         for (Index i = sweep.chunkStart[chunk + 1] - 1; i >= sweep.pairEnd[chunk]; --i) relax.single(i, -1);
         for (Index i = sweep.pairEnd[chunk] - 2; i >= sweep.chunkStart[chunk]; i -= 2) relax.pair(i, -1);

@@ -20,8 +20,8 @@ class Multigrid {
   void constrain(const ConstraintRows& constraints, const Progress& progress);
 
   /// z = M r for rows of the finest level; returns the inner product of r and z. silent: chunks of it where r is small
-  /// enough for the sweeps to pass them over (none when empty): z is there what the coarser levels make of the others'
-  /// r, and has no part in the product. M is symmetric without them only.
+  /// enough for the sweeps to pass them over (none when empty; the second sweep takes those beside others): z is there
+  /// what the coarser levels make of the others' r, and has no part in the product. M is symmetric without them only.
   double apply(const float* r, float* z, const std::vector<char>& silent, const Progress& progress);
 
   const SurfaceLevel& finest() const { return hierarchy_.levels.front(); }

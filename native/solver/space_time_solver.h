@@ -30,9 +30,9 @@
 // keeps 4.6. User time of hierarchy and solve grows with n^1.01 from 20k x 20 to 200k x 20.
 //
 // What makes an edit cheap: the state keeps the solution in the solver's own layout, its residual (rows whose
-// constraints stay keep theirs) and the factors of the lines (rows whose weights stay keep theirs); the first half of a
-// cycle passes over chunks of rows where the residual is small, which in the first step is all that lies far from what
-// moved. The residual at the end is taken anew, in single precision unless the tolerance is out of its reach. The solve
+// constraints stay keep theirs) and the factors of the lines (rows whose weights stay keep theirs); the first cycle's
+// sweeps pass over chunks of rows where the residual is small, which is all that lies far from what moved; and the
+// result is written into the memory that the iteration worked in. The residual at the end is taken anew, in single precision unless the tolerance is out of its reach. The solve
 // stops when it is short enough and the field is near enough to the exact one: both, because either may be long before
 // the other.
 //
