@@ -22,19 +22,19 @@
 // tolerance of 1e-11 fields agree with a direct solve to 1e-8.
 //
 // Measured on 2 cores that had other work, 20k vertices x 100 samples, two storms of weight 4e5, default options, in
-// units of the processor time of one plain stencil sweep: 13 to 30 from zero (3 steps; plain Jacobi-CG: 870, 315
-// steps), 8 to 19 from the state of the last solve after one storm moved by a tenth of its radius (2 steps; the more
-// other work, the slower the sweep, and the fewer). Sums over neighbours take AVX2 where there is; in sweeps that do so
-// too the latter are 9 to 14. The field is then 0.44 % and 0.29 % from the exact one, estimated as 0.36 % and 0.30 %;
-// in tests of other surfaces and designs it was 0.005 to 0.44 %. Peak memory: 7.6 unknown vectors, of which a state
-// keeps 4.6. User time of hierarchy and solve grows with n^1.01 from 20k x 20 to 200k x 20.
+// units of the processor time of one plain stencil sweep: 21 from zero (3 steps; plain Jacobi-CG: 960, 315 steps), 12
+// from the state of the last solve after one storm moved by a tenth of its radius (2 steps). Sums over neighbours take
+// AVX2 where there is; in sweeps that do so too they are 30 and 17. The field is then 0.44 % and 0.29 % from the exact
+// one, estimated as 0.36 % and 0.30 %; in tests of other surfaces and designs it was 0.005 to 0.44 %. Peak memory: 7.8
+// unknown vectors, of which a state keeps 4.6. User time of hierarchy and solve grows with n^1.01 from 20k x 20 to
+// 200k x 20.
 //
 // What makes an edit cheap: the state keeps the solution in the solver's own layout, its residual (rows whose
 // constraints stay keep theirs) and the factors of the lines (rows whose weights stay keep theirs); the first cycle's
 // sweeps pass over chunks of rows where the residual is small, which is all that lies far from what moved; and the
-// result is written into the memory that the iteration worked in. The residual at the end is taken anew, in single precision unless the tolerance is out of its reach. The solve
-// stops when it is short enough and the field is near enough to the exact one: both, because either may be long before
-// the other.
+// result is written into the memory that the iteration worked in. The residual at the end is taken anew, in single
+// precision unless the tolerance is out of its reach. The solve stops when it is short enough and the field is near
+// enough to the exact one: both, because either may be long before the other.
 //
 // Constraints at vertices that no face uses have no effect. Throws InputError without constraints and for bad ones
 // (constraint_rows.h), SolverError when the tolerance or the accuracy is out of reach, Cancelled.
