@@ -22,6 +22,8 @@ constexpr double kTolerance = 1e-6, kRelative = 1e-4;
 /// Steps within one face after which a trajectory is taken to stay, and the change by which it no longer moves.
 constexpr int kMostSteps = 400, kMostSlowSteps = 1000, kSlowRound = 32;
 constexpr double kStill = 1e-7;
+/// Part of the speed at an edge's ends below which the field is zero in between.
+constexpr double kOpposed = 1e-6;
 /// How far from the end of a part of an edge its limit is taken; a trajectory that touches an edge from within rises
 /// above it by the square.
 constexpr double kWithin = 2e-6, kWithinTouch = 1e-3;
@@ -35,6 +37,8 @@ EdgeFlow edgeFlowOf(const VectorField& field, Index e) {
   if (restsOnEdge(ends) || (tail == 0.0 && head == 0.0)) return {};
   if (tail * head >= 0.0) return {tail + head > 0.0 ? 1 : -1, 1.0};
   const double turn = tail / (tail - head), along = (1.0 - turn) * ends.tail.real() + turn * ends.head.real();
+  // A fixed point rests on the edge, or too near for its two faces to tell where.
+  if (std::abs(along) <= kOpposed * std::max(std::abs(ends.tail), std::abs(ends.head))) return {};
   // Where flow along the edge comes from outside a face and goes there, it touches the face from outside.
   return {tail > 0.0 ? 1 : -1, turn, tail * along < 0.0};
 }

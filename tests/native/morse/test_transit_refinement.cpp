@@ -171,6 +171,13 @@ TEST(TransitRefinement, PartsAPairInsideFaces) {
   EXPECT_EQ(found.count("sink"), 1U);
 }
 
+TEST(TransitRefinement, TakesFixedPointsOnEdgesWithBothFaces) {
+  // Duffing's oscillator with friction; its sinks lie in the middle of edges, where the field is across them.
+  const FieldPointer field =
+      planar(grid(30), [](double x, double y) { return Vec3(y, 0.25 * x - x * x * x - 0.1 * y, 0.0); });
+  EXPECT_EQ(kinds(refined(field).morse), (std::map<std::string, int>{{"saddle", 1}, {"sink", 2}}));
+}
+
 TEST(TransitRefinement, DoesNotDependOnThreads) {
   const FieldPointer field = random(icosphere(1), 5);
   const TransitDecomposition all = refined(field);
