@@ -67,6 +67,11 @@ class Streamlines {
         tbb::simple_partitioner());
   }
 
+  /// One trace has nothing to go side by side with.
+  TraceEnd traceAlone(std::size_t i) {
+    return prototype_->run(seeds_[i], 0.0, options_.maximalTime, [](const SurfacePoint&, double) {});
+  }
+
  private:
   /// Hands out seeds, and tells the keeper begin(lane, trace), step(lane, integrator) and end(lane, trace, TraceEnd).
   template <typename Keeper>
@@ -221,7 +226,8 @@ std::vector<TraceEnd> traceStreamlineEnds(const FlatFaces& faces, const VectorFi
 
 TraceEnd traceStreamline(const FlatFaces& faces, const VectorField& field, const SurfacePoint& seed,
                          const TraceOptions& options) {
-  return traceStreamlineEnds(faces, field, {seed}, options).front();
+  const std::vector<SurfacePoint> seeds{seed};
+  return Streamlines(faces, field, seeds, options).traceAlone(0);
 }
 
 }  // namespace stormfield
