@@ -170,6 +170,20 @@ def test_refinement_takes_sets_apart():
         assert len(np.unique(coarse.face_sets[s.faces])) == 1 and coarse.face_sets[s.faces[0]] >= 0
 
 
+def test_geometry_refines_inside_faces():
+    _, field = strip_with_pair()
+    fine = native.start_morse(field, refine=True).result()
+    assert fine.stop == "done" and fine.method == "geometry" and fine.tau is None and not fine.upper_bound
+    kinds = Counter(s.kind for s in fine.sets if s.kind != "trivial")
+    assert kinds == {"sink": 2, "saddle": 1}
+    for i, s in enumerate(fine.sets):
+        assert s.conley[0] - s.conley[1] + s.conley[2] == s.poincare
+        assert set(np.flatnonzero(fine.face_sets == i)) <= set(s.faces)
+    assert fine.start_refine_set(0).result().method == "geometry"
+    with pytest.raises(native.InputError, match="no error bound"):
+        fine.simplify(0.1)
+
+
 def test_one_set_is_refined_by_hand():
     _, field = strip_with_pair()
     found = decompose(field)
