@@ -7,5 +7,5 @@ cd "$(dirname "$0")/.."
 pictures=$(mktemp -d)
 trap 'rm -rf "$pictures"' EXIT
 .venv/bin/stormfield analyze "$data" --json - --image "$pictures/ecg.png" > "$pictures/ecg.json"
-.venv/bin/stormfield morse "$data" --method tau --refine --json - --image "$pictures/mcg.png" > "$pictures/mcg.json"
+.venv/bin/stormfield morse "$data" --refine --json - --image "$pictures/mcg.png" > "$pictures/mcg.json"
 convert "$pictures/ecg.png" "$pictures/mcg.png" -resize 1600x -append -colors 250 docs/pictures/graphs.png

@@ -2,8 +2,7 @@
 
 import bpy
 
-from .. import native
-from ..analysis.steps import MorseSets, morse_steps, native_field, refine_set_steps
+from ..analysis.steps import MorseSets, morse_steps, refine_set_steps
 from ..convert import analysis_objects
 from ..convert.bake_task import read_morse_settings
 from ..convert.current_field import read_current
@@ -32,7 +31,8 @@ class STORMFIELD_OT_morse_sets(AnalysisOperator, bpy.types.Operator):
 
 
 class STORMFIELD_OT_refine_morse(AnalysisOperator, bpy.types.Operator):
-    """Divide coarse sets further by ever larger τ inside them, at the current λ. Esc keeps what is done so far"""
+    """Divide coarse sets further, at the current λ: Directions by ever smaller pieces of edges, also inside faces, the
+    others by ever larger τ. Esc keeps what is done so far"""
 
     bl_idname = "stormfield.refine_morse"
     bl_label = "Refine"
@@ -40,28 +40,28 @@ class STORMFIELD_OT_refine_morse(AnalysisOperator, bpy.types.Operator):
     job_title = "Refining"
     keeps_when_stopped = True
 
+    @classmethod
+    def why_not(cls, obj):
+        return super().why_not(obj) or morse_state.why_no_refinement(obj)
+
     def start(self, context, obj):
         field = read_current(context, obj)
         self._attribute = field.attribute
-        settings = obj.stormfield.morse
-        _, values = native_field(field.mesh, field.values)
-        # A refinement begins below the τ that a single map would take.
-        unit = morse_state.UNITS.get(settings.method, "time")
-        options = morse_state.refine_options(settings, 0.5 * native.starting_tau(values, unit))
+        options = morse_state.refine_options(obj.stormfield.morse, field.mesh, field.values)
         return morse_steps(field.mesh, field.values, field.lam, **options)
 
     def finish(self, _context, obj, found):
         show(obj, found, self._attribute)
         ended = {
             "time": "; the time was up",
-            "steps": "; the steps were used up",
+            "memory": "; the memory for it was used up",
             "cancelled": "; it was stopped, and what is divided so far is kept",
         }.get(found.decomposition.stop, "")
         self.report({"INFO"}, f"'{obj.name}': {len(found.graph.entities)} Morse sets after refinement{ended}")
 
 
 class STORMFIELD_OT_refine_set(AnalysisOperator, bpy.types.Operator):
-    """Divide the selected Morse set further by larger τ inside it; the others stay as they are. Esc stops"""
+    """Divide the selected Morse set further; the others stay as they are. Esc stops"""
 
     bl_idname = "stormfield.refine_set"
     bl_label = "Refine this Set"
@@ -70,7 +70,7 @@ class STORMFIELD_OT_refine_set(AnalysisOperator, bpy.types.Operator):
 
     @classmethod
     def why_not(cls, obj):
-        return morse_state.why_no_refinement(obj)
+        return morse_state.why_set_stays(obj)
 
     def start(self, _context, obj):
         state = morse_state.of(obj)
@@ -82,7 +82,7 @@ class STORMFIELD_OT_refine_set(AnalysisOperator, bpy.types.Operator):
     def finish(self, _context, obj, found):
         more = len(found.graph.entities) - self._before
         if more == 0:
-            self.report({"INFO"}, f"{self._name} stays one set up to the largest τ")
+            self.report({"INFO"}, f"{self._name} stays one set, however far it is refined")
             return
         show(obj, found, self._attribute)
         self.report({"INFO"}, f"{self._name} is divided: {len(found.graph.entities)} sets, {more} more than before")

@@ -9,8 +9,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import bpy
+import numpy as np
 
-from ..analysis.steps import MorseSets
+from .. import native
+from ..analysis.steps import MorseSets, native_field
+from ..model.mesh_data import MeshData
 
 #: What τ is of each method that has one, in the core's words.
 UNITS = {"tau": "time", "spatial": "length"}
@@ -29,15 +32,27 @@ _states: dict[str, MorseState] = {}
 _serials = itertools.count(1)
 
 
-def refine_options(settings, first_tau: float) -> dict[str, Any]:
-    """Options of native.start_morse for a refinement that begins with `first_tau` where the panel says 0."""
-    method = "spatial" if settings.method == "spatial" else "tau"
-    begin = (settings.length if method == "spatial" else settings.tau) or first_tau
-    limits = {"tau": begin, "tau_max": begin * settings.tau_max, "seconds": settings.seconds}
-    return {"method": method, "refine": True, **limits}
+def refine_options(settings, mesh: MeshData, values: np.ndarray) -> dict[str, Any]:
+    """Options of native.start_morse for a refinement of that field as the panel says."""
+    options = {"method": settings.method, "refine": True, "seconds": settings.seconds}
+    if settings.method == "geometry":
+        return options
+    begin = settings.length if settings.method == "spatial" else settings.tau
+    if begin == 0.0:  # below the τ that a single map would take
+        _, field = native_field(mesh, values)
+        begin = 0.5 * native.starting_tau(field, UNITS[settings.method])
+    return {**options, "tau": begin, "tau_max": begin * settings.tau_max}
 
 
 def why_no_refinement(obj: bpy.types.Object) -> str:
+    """Why the settings allow no refinement, and the cure; empty when they do."""
+    settings = obj.stormfield.morse
+    if settings.method == "geometry" and settings.eps > 0.0:
+        return "A refinement holds for this field alone; set Error ε to 0"
+    return ""
+
+
+def why_set_stays(obj: bpy.types.Object) -> str:
     """Why the selected set cannot be refined by itself, and the cure; empty when it can."""
     state, entities = of(obj), obj.stormfield.analysis.mcg
     if state is None:
@@ -55,8 +70,8 @@ def why_no_simplification(obj: bpy.types.Object) -> str:
     state = of(obj)
     if state is None:
         return "Make Morse Sets again to simplify or refine them"
-    if state.found.decomposition.method != "geometry":
-        return "Sets of a flow cannot be simplified; make Morse Sets by Directions"
+    if state.found.decomposition.method != "geometry" or state.found.decomposition.stop is not None:
+        return "Refined sets and those of a flow cannot be simplified; make Morse Sets by Directions"
     return ""
 
 

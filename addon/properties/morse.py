@@ -4,7 +4,12 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 METHODS = (
-    ("geometry", "Directions", "By the direction in which the flow crosses each edge: fast, coarse, exact indices", 0),
+    (
+        "geometry",
+        "Directions",
+        "By the direction in which the flow crosses each edge: fast, and Refine parts even what lies in one face",
+        0,
+    ),
     ("tau", "Flow Time", "By where the flow takes each face in a time τ: finer, the longer", 1),
     ("spatial", "Flow Length", "By where the flow takes each face over a length: even where the flow is slow", 2),
 )
@@ -27,7 +32,11 @@ def _simplify(self, _context) -> None:
 
 class MorseProperties(bpy.types.PropertyGroup):
     method: EnumProperty(
-        name="Method", description="How the flow between faces is found", items=METHODS, default="tau", update=_preview
+        name="Method",
+        description="How the flow between faces is found",
+        items=METHODS,
+        default="geometry",
+        update=_preview,
     )
     tau: FloatProperty(
         name="τ",

@@ -230,10 +230,23 @@ def test_a_smoothed_mesh_shows_the_analysis_of_its_own_vertices(dipole):
     assert (size > 0.97).all() and (size < 1.03).all()
 
 
-def test_refinement(rings):
+@pytest.mark.parametrize("method", ["geometry", "tau", "spatial"])
+def test_refinement(rings, method):
+    rings.stormfield.morse.method = method
     assert bpy.ops.stormfield.refine_morse() == {"FINISHED"}
     kinds = [item.kind for item in rings.stormfield.analysis.mcg.items]
     assert kinds.count("source") == 2 and "attracting" in kinds
+
+
+def test_what_is_refined_has_no_error(rings):
+    from stormfield.operators import morse_state
+
+    rings.stormfield.morse.eps = 5.0
+    with pytest.raises(RuntimeError, match="set Error ε to 0"):
+        bpy.ops.stormfield.refine_morse()
+    rings.stormfield.morse.eps = 0.0
+    bpy.ops.stormfield.refine_morse()
+    assert "cannot be simplified" in morse_state.why_no_simplification(rings)
 
 
 def test_one_set_is_refined_by_itself(rings):
