@@ -21,9 +21,9 @@ constexpr int kSmallSet = 500, kLevelsOfSmall = 6, kLevelsByHand = 4;
 /// Memory per node, of the map and the graph.
 constexpr std::size_t kBytesPerNode = 200;
 
-/// The strongly connected components of some nodes (ascending), by the edges among them.
-Components componentsOf(const TransitMap& map, const std::vector<Index>& nodes, const std::vector<Index>& place,
-                        Progress* progress) {
+/// The edges among some nodes (ascending), by their places in the list; place: of all nodes, kNone for the others.
+DirectedGraph graphAmong(const TransitMap& map, const std::vector<Index>& nodes, const std::vector<Index>& place,
+                         Progress* progress) {
   constexpr std::size_t kGrain = 256;
   std::vector<std::vector<Index>> blocks((nodes.size() + kGrain - 1) / kGrain);
   DirectedGraph graph;
@@ -44,7 +44,24 @@ Components componentsOf(const TransitMap& map, const std::vector<Index>& nodes, 
   std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
   graph.targets.reserve(graph.offsets.back());
   for (const auto& block : blocks) graph.targets.insert(graph.targets.end(), block.begin(), block.end());
-  return stronglyConnectedComponents(graph);
+  return graph;
+}
+
+/// Marks all that marked nodes lead to.
+void spread(const DirectedGraph& graph, std::vector<char>& marked) {
+  std::vector<Index> front;
+  for (Index node = 0; node < graph.nodeCount(); ++node) {
+    if (marked[node] != 0) front.push_back(node);
+  }
+  while (!front.empty()) {
+    const Index node = front.back();
+    front.pop_back();
+    for (const Index* t = graph.begin(node); t != graph.end(node); ++t) {
+      if (marked[*t] != 0) continue;
+      marked[*t] = 1;
+      front.push_back(*t);
+    }
+  }
 }
 
 /// The members of the recurrent components, ascending; components by their first members.
@@ -134,7 +151,7 @@ TransitRefinement::TransitRefinement(std::shared_ptr<const FlatFaces> faces, std
   std::iota(nodes.begin(), nodes.end(), 0);
   std::vector<Index> place = nodes;
   place.push_back(kNone);
-  nodes_ = recurrentMembers(componentsOf(map_, nodes, place, progress), nodes);
+  nodes_ = recurrentMembers(stronglyConnectedComponents(graphAmong(map_, nodes, place, progress)), nodes);
   trials_.resize(nodes_.size());
 }
 
@@ -173,7 +190,7 @@ bool TransitRefinement::round(Progress* progress) {
   for (Index s = 0; s < static_cast<Index>(nodes_.size()); ++s) {
     if (trials_[s].halved || isOpen(s, levelsOf(s))) chosen.push_back(s);
   }
-  if (chosen.empty()) return false;
+  if (chosen.empty()) return refineWays(progress);
   if (progress != nullptr) progress->report(std::min(1.0, static_cast<double>(level_) / options_.levels));
   refineSets(chosen, 0, progress);
   ++level_;
@@ -215,6 +232,7 @@ bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, P
       owner.push_back(s);
     }
   }
+  ways_.clear();
   // The outside node moves on; nothing keeps it.
   const Index before = map_.outside();
   const std::vector<std::size_t> halved = map_.halve(pieces, progress);
@@ -232,7 +250,8 @@ bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, P
     place[node] = static_cast<Index>(members.size());
     members.push_back(node);
   }
-  std::vector<std::vector<Index>> parts = recurrentMembers(componentsOf(map_, members, place, progress), members);
+  std::vector<std::vector<Index>> parts =
+      recurrentMembers(stronglyConnectedComponents(graphAmong(map_, members, place, progress)), members);
 
   bool changed = false;
   std::vector<std::vector<Index>> kept;
@@ -255,6 +274,56 @@ bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, P
   nodes_ = std::move(kept);
   trials_ = std::move(trials);
   return changed || parts.empty();
+}
+
+/// Halves the pieces on ways from one set that flow passes through to another; false when nothing is left. Sources and
+/// sinks do not matter here: their ways fill the surface.
+bool TransitRefinement::refineWays(Progress* progress) {
+  std::vector<Index> nodes = ways_, setOf(map_.outside(), kNone);
+  if (ways_.empty()) {
+    nodes.resize(map_.outside());
+    std::iota(nodes.begin(), nodes.end(), 0);
+  }
+  for (std::size_t s = 0; s < nodes_.size(); ++s) {
+    for (const Index node : nodes_[s]) setOf[node] = static_cast<Index>(s);
+  }
+  std::vector<Index> place(static_cast<std::size_t>(map_.outside()) + 1, kNone);
+  for (std::size_t i = 0; i < nodes.size(); ++i) place[nodes[i]] = static_cast<Index>(i);
+  const DirectedGraph graph = graphAmong(map_, nodes, place, progress);
+
+  std::vector<char> leads(nodes_.size(), ways_.empty() ? 0 : 1), isLedTo = leads;
+  for (Index i = 0; i < graph.nodeCount(); ++i) {
+    const Index from = setOf[nodes[i]];
+    for (const Index* t = graph.begin(i); t != graph.end(i); ++t) {
+      const Index to = setOf[nodes[*t]];
+      if (from == to) continue;
+      if (from != kNone) leads[from] = 1;
+      if (to != kNone) isLedTo[to] = 1;
+    }
+  }
+  const auto isPassed = [&](Index node) {
+    const Index s = setOf[node];
+    return s != kNone && leads[s] != 0 && isLedTo[s] != 0;
+  };
+  std::vector<char> from(nodes.size(), 0);
+  for (std::size_t i = 0; i < nodes.size(); ++i) from[i] = isPassed(nodes[i]) ? 1 : 0;
+  std::vector<char> to = from;
+  spread(graph, from);
+  spread(reversed(graph), to);
+
+  std::vector<Index> between, pieces;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Index node = nodes[i];
+    if (from[i] == 0 || to[i] == 0) continue;
+    between.push_back(node);
+    const bool open = map_.isPiece(node) && map_.piece(node).level < options_.levels;
+    if (setOf[node] == kNone && open) pieces.push_back(node);
+  }
+  const Index before = map_.outside();
+  map_.halve(pieces, progress);
+  for (Index node = before; node < map_.outside(); ++node) between.push_back(node);
+  ways_ = std::move(between);
+  return !pieces.empty();
 }
 
 TransitDecomposition TransitRefinement::decomposition(bool keepEmpty, bool keepTrivial, Progress& progress) const {

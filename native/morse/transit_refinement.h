@@ -1,6 +1,9 @@
 // Hierarchical refinement (thesis 8) of the geometry-based decomposition without tau: the pieces of edges inside chosen
 // sets are halved (transit_map.h), and the strongly connected components take the place of the sets.
 //
+// In the end the pieces on ways between sets that flow passes through (saddles, say) are halved too, so that the graph
+// of the sets has few connections that the flow has not.
+//
 // What a set splits into stays within it, the other sets do not change (thesis 8.2.1), and the result is that of the
 // transit map of all pieces at once, in whatever order they were halved. Sets without pieces (a fixed point that
 // nothing comes back to) are done; so are those that halving leaves as they are, and those that have come to the last
@@ -81,6 +84,7 @@ class TransitRefinement {
   int levelsOf(Index set) const;
   bool isOpen(Index set, int levels) const;
   bool refineSets(const std::vector<Index>& chosen, int more, Progress* progress);
+  bool refineWays(Progress* progress);
   bool fits() const;
 
   std::shared_ptr<const VectorField> field_;
@@ -88,6 +92,7 @@ class TransitRefinement {
   TransitMap map_;
   std::vector<std::vector<Index>> nodes_;
   std::vector<Trial> trials_;
+  std::vector<Index> ways_;  ///< nodes on ways between sets that flow passes through, and of these; empty: not known
   int level_ = 0;
 };
 

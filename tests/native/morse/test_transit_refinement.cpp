@@ -240,6 +240,33 @@ TEST(TransitRefinement, DegenerateFields) {
   }
 }
 
+/// The gradient of a sum of waves on the ball, turned by about 60 degrees: many saddles whose separatrices run close
+/// to each other, but none leads to another.
+FieldPointer waves() {
+  const Surface s = icosphere(3);
+  const std::vector<Vec3> directions{{3.1, 0.4, 1.2}, {-0.7, 2.9, 1.5}, {1.4, -1.6, 2.7}, {-2.2, -1.9, 1.1}};
+  Points vectors(s.points.rows(), 3);
+  for (Eigen::Index v = 0; v < vectors.rows(); ++v) {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& d : directions) sum += std::cos(d.dot(s.points.row(v)) + 0.3 * d.x()) * d;
+    vectors.row(v) = sum + 1.7 * Vec3(s.points.row(v)).cross(sum);
+  }
+  return std::make_shared<const VectorField>(fromSpace(makeCharts(s), vectors));
+}
+
+int linksBetweenSaddles(const MorseDecomposition& morse) {
+  return static_cast<int>(std::count_if(morse.graph.edges.begin(), morse.graph.edges.end(), [&](const auto& edge) {
+    return morse.sets[edge[0]].kind == MorseKind::Saddle && morse.sets[edge[1]].kind == MorseKind::Saddle;
+  }));
+}
+
+TEST(TransitRefinement, LinksNoSaddlesThatNoFlowLinks) {
+  const FieldPointer field = waves();
+  const MorseDecomposition morse = refined(field).morse;
+  EXPECT_GE(kinds(morse)["saddle"], 4);
+  EXPECT_EQ(linksBetweenSaddles(morse), 0);
+}
+
 TEST(TransitRefinement, PartsAllFixedPointsAndOrbitsOfTheGasEngine) {
   if (!longTests()) GTEST_SKIP() << "long";
   const auto data = dataSet("gasEngineV.t");
@@ -248,7 +275,9 @@ TEST(TransitRefinement, PartsAllFixedPointsAndOrbitsOfTheGasEngine) {
   // As the entity connection graph has them: 29, 18, 13, 3 and 1.
   const std::map<std::string, int> all{
       {"saddle", 29}, {"sink", 18}, {"source", 13}, {"attracting", 3}, {"repelling", 1}};
-  EXPECT_EQ(kinds(refined(field).morse), all);
+  const MorseDecomposition morse = refined(field).morse;
+  EXPECT_EQ(kinds(morse), all);
+  EXPECT_LE(linksBetweenSaddles(morse), 3);  // closer than the last level of pieces tells apart
 }
 
 TEST(TransitRefinement, AnalysisRefinesASetByHandAndFindsWhatLiesBetween) {
