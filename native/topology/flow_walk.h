@@ -31,13 +31,13 @@ class FlowWalk {
   /// visit(SurfacePoint, seconds, Passage) -> bool, false to end; for the seed and after every step.
   template <typename Visit>
   TraceEnd run(const SurfacePoint& seed, Visit&& visit) {
-    Index before = kNone;
-    return integrator_.run(
-        seed, 0.0, std::numeric_limits<double>::infinity(), [&](const SurfacePoint& p, double time) -> bool {
-          const Passage passage = before == kNone || before == p.face ? Passage{} : passageBetween(before, p);
-          before = p.face;
-          return visit(p, time, passage);
-        });
+    bool first = true;
+    return integrator_.run(seed, 0.0, std::numeric_limits<double>::infinity(),
+                           [&](const SurfacePoint& p, double time) -> bool {
+                             const Passage passage = first ? Passage{} : lastPassage(p.face);
+                             first = false;
+                             return visit(p, time, passage);
+                           });
   }
 
   const FlatFaces& faces() const { return faces_; }
@@ -58,19 +58,14 @@ class FlowWalk {
     return 1e-9 * std::sqrt(squared);
   }
 
-  Passage passageBetween(Index before, const SurfacePoint& p) const {
-    constexpr double kOnSide = 1e-9, kAtVertex = 1e-5;
-    const FlatFace& flat = faces_[p.face];
-    for (int i = 0; i < 3; ++i) {
-      const Index twin = flat.twin(i);
-      if (p.barycentric[(i + 2) % 3] > kOnSide || twin == kNone || TriangleMesh::face(twin) != before) continue;
-      const double along = p.barycentric[(i + 1) % 3];
-      return backward_ ? Passage{twin, 1.0 - along, kNone} : Passage{TriangleMesh::halfedge(p.face, i), along, kNone};
-    }
-    for (int i = 0; i < 3; ++i) {
-      if (p.barycentric[i] > 1.0 - kAtVertex) return {kNone, 0.0, flat.vertex(i)};
-    }
-    return {};
+  /// What the last step went over on its way into the face where it ended.
+  Passage lastPassage(Index face) const {
+    if (const Index vertex = integrator_.leftVertex(); vertex != kNone) return {kNone, 0.0, vertex};
+    const SidePoint& entry = integrator_.entry();
+    if (entry.side < 0) return {};
+    const Index h = TriangleMesh::halfedge(face, entry.side);
+    if (backward_) return {faces_.mesh().twin(h), 1.0 - entry.fraction, kNone};
+    return {h, entry.fraction, kNone};
   }
 
   const FlatFaces& faces_;

@@ -89,6 +89,10 @@ class Integrator {
     return p;
   }
   double elapsed() const { return elapsed_; }
+  /// After a step: the side of the face at hand that it came in over, if it ended there.
+  const SidePoint& entry() const { return entry_; }
+  /// After a step: the vertex that it came upon and left, if any.
+  Index leftVertex() const { return vertexStep_ == end_.steps ? vertex_ : kNone; }
   const TraceEnd& end() {
     end_.point = here();
     end_.time = elapsed_;
@@ -125,6 +129,7 @@ class Integrator {
     trialStep_ = std::numeric_limits<double>::infinity();
     slide_ = kNoSide;
     idleCrossings_ = 0;
+    vertex_ = kNone;
     end_ = TraceEnd{};
   }
 
@@ -246,6 +251,8 @@ class Integrator {
   double elapsed_ = 0.0, length_ = 0.0, trialStep_ = 0.0;
   int slide_ = kNoSide;    ///< side along which the particle slides on the boundary
   int idleCrossings_ = 0;  ///< crossings in a row that took no time
+  Index vertex_ = kNone;   ///< the last one that was left,
+  Index vertexStep_ = 0;   ///< in this step
   TraceEnd end_;
 };
 
@@ -288,6 +295,7 @@ bool Integrator<Flow>::take(const FaceStep& step) {
 template <typename Flow>
 bool Integrator<Flow>::takeSmallStep() {
   locate();
+  entry_ = SidePoint{};
   const double left = timeLeft();
   if (left <= 0.0) {
     flow_.advance(cursor_);
@@ -323,7 +331,6 @@ bool Integrator<Flow>::takeSmallStep() {
 
 template <typename Flow>
 bool Integrator<Flow>::integrate(double h, const Eigen::Vector3d& b, Complex k1, const Eigen::Vector3d& rate) {
-  entry_ = SidePoint{};
   const double speed1 = magnitude(k1);
   double speed5 = 0.0;
   Complex k2, k3, k4, k5, to;

@@ -57,6 +57,8 @@ bool Integrator<Flow>::leaveVertex(int corner) {
     distance = left * speed;
   }
   elapsed_ += duration;
+  vertex_ = v;
+  vertexStep_ = end_.steps;
   startAt(leaving, distance, direction);
   return true;
 }
