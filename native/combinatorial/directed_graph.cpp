@@ -131,6 +131,22 @@ DirectedGraph reversed(const DirectedGraph& graph) {
   return result;
 }
 
+std::vector<char> reachable(const DirectedGraph& graph, const std::vector<Index>& start) {
+  std::vector<char> seen(graph.nodeCount(), 0);
+  std::vector<Index> open = start;
+  for (const Index node : start) seen[node] = 1;
+  while (!open.empty()) {
+    const Index node = open.back();
+    open.pop_back();
+    for (const Index* t = graph.begin(node); t != graph.end(node); ++t) {
+      if (seen[*t] != 0) continue;
+      seen[*t] = 1;
+      open.push_back(*t);
+    }
+  }
+  return seen;
+}
+
 DirectedGraph condensation(const DirectedGraph& graph, const Components& components) {
   const Index count = components.count();
   std::vector<std::size_t> firstMember(static_cast<std::size_t>(count) + 1, 0);

@@ -40,6 +40,9 @@ Components stronglyConnectedComponents(const DirectedGraph& graph);
 /// The graph with every edge turned around.
 DirectedGraph reversed(const DirectedGraph& graph);
 
+/// Per node whether it is in `start` or can be reached from there.
+std::vector<char> reachable(const DirectedGraph& graph, const std::vector<Index>& start);
+
 /// One node per component, one edge where any edge leads from one to the other; no loops.
 DirectedGraph condensation(const DirectedGraph& graph, const Components& components);
 

@@ -86,23 +86,6 @@ DirectedGraph nextSets(const CombinatorialMap& map, const Components& components
   return result;
 }
 
-/// Nodes that can be reached from the start, itself included.
-std::vector<char> reachable(const DirectedGraph& graph, const std::vector<Index>& start) {
-  std::vector<char> seen(graph.nodeCount(), 0);
-  std::vector<Index> open = start;
-  for (const Index node : start) seen[node] = 1;
-  while (!open.empty()) {
-    const Index node = open.back();
-    open.pop_back();
-    for (const Index* t = graph.begin(node); t != graph.end(node); ++t) {
-      if (seen[*t] != 0) continue;
-      seen[*t] = 1;
-      open.push_back(*t);
-    }
-  }
-  return seen;
-}
-
 }  // namespace
 
 MorseConnectionGraph morseConnectionGraph(const CombinatorialMap& map, const Components& components,

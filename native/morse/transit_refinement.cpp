@@ -47,23 +47,6 @@ DirectedGraph graphAmong(const TransitMap& map, const std::vector<Index>& nodes,
   return graph;
 }
 
-/// Marks all that marked nodes lead to.
-void spread(const DirectedGraph& graph, std::vector<char>& marked) {
-  std::vector<Index> front;
-  for (Index node = 0; node < graph.nodeCount(); ++node) {
-    if (marked[node] != 0) front.push_back(node);
-  }
-  while (!front.empty()) {
-    const Index node = front.back();
-    front.pop_back();
-    for (const Index* t = graph.begin(node); t != graph.end(node); ++t) {
-      if (marked[*t] != 0) continue;
-      marked[*t] = 1;
-      front.push_back(*t);
-    }
-  }
-}
-
 /// The members of the recurrent components, ascending; components by their first members.
 std::vector<std::vector<Index>> recurrentMembers(const Components& components, const std::vector<Index>& nodes) {
   std::vector<Index> number(components.count(), kNone);
@@ -305,23 +288,23 @@ bool TransitRefinement::refineWays(Progress* progress) {
     const Index s = setOf[node];
     return s != kNone && leads[s] != 0 && isLedTo[s] != 0;
   };
-  std::vector<char> from(nodes.size(), 0);
-  for (std::size_t i = 0; i < nodes.size(); ++i) from[i] = isPassed(nodes[i]) ? 1 : 0;
-  std::vector<char> to = from;
-  spread(graph, from);
-  spread(reversed(graph), to);
+  std::vector<Index> passed;
+  for (Index i = 0; i < graph.nodeCount(); ++i) {
+    if (isPassed(nodes[i])) passed.push_back(i);
+  }
+  const std::vector<char> after = reachable(graph, passed), before = reachable(reversed(graph), passed);
 
   std::vector<Index> between, pieces;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Index node = nodes[i];
-    if (from[i] == 0 || to[i] == 0) continue;
+    if (after[i] == 0 || before[i] == 0) continue;
     between.push_back(node);
     const bool open = map_.isPiece(node) && map_.piece(node).level < options_.levels;
     if (setOf[node] == kNone && open) pieces.push_back(node);
   }
-  const Index before = map_.outside();
+  const Index halves = map_.outside();
   map_.halve(pieces, progress);
-  for (Index node = before; node < map_.outside(); ++node) between.push_back(node);
+  for (Index node = halves; node < map_.outside(); ++node) between.push_back(node);
   ways_ = std::move(between);
   return !pieces.empty();
 }

@@ -58,6 +58,20 @@ void expectRowsSorted(const DirectedGraph& graph) {
   }
 }
 
+TEST(DirectedGraph, ReachableIsTheStartAndAllThatPathsLeadTo) {
+  Random random(11);
+  for (int run = 0; run < 20; ++run) {
+    const DirectedGraph graph = randomGraph(20, 25, false, random);
+    const Matrix reach = reachability(graph);
+    const Index a = random.below(20), b = random.below(20);
+    const std::vector<char> seen = reachable(graph, {a, b});
+    for (Index node = 0; node < 20; ++node) {
+      EXPECT_EQ(seen[node] != 0, node == a || node == b || reach[a][node] != 0 || reach[b][node] != 0);
+    }
+  }
+  EXPECT_EQ(reachable(randomGraph(3, 3, false, random), {}), std::vector<char>(3, 0));
+}
+
 TEST(StronglyConnectedComponents, AgreeWithReachability) {
   Random random(1);
   for (int round = 0; round < 300; ++round) {

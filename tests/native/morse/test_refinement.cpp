@@ -38,6 +38,17 @@ FaceSets setsOf(const VectorField& field, const CombinatorialMap& map, const std
   return morseDecomposition(field, map, options, progress).faces;
 }
 
+/// A turn about the axis: closed orbits in every face, which every round follows all of.
+std::shared_ptr<const VectorField> turn() {
+  const auto charts = makeCharts(torus(40, 20));
+  Points vectors(charts->mesh().vertexCount(), 3);
+  for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
+    const Vec3 p = charts->mesh().point(v);
+    vectors.row(v) = Vec3(-p.y(), p.x(), 0.0);
+  }
+  return std::make_shared<const VectorField>(fromSpace(charts, vectors));
+}
+
 TEST(Refinement, EnclosesWhatARecomputationAtItsTausEncloses) {
   std::vector<std::shared_ptr<const VectorField>> fields{twoSinks(12)};
   for (const Surface& s : {icosphere(1), annulus(9, 3)}) {
@@ -152,14 +163,7 @@ TEST(Refinement, HoldsEveryFixedPointAtEveryTau) {
 }
 
 TEST(Refinement, StopsSoonAfterCancel) {
-  // A turn about the axis: closed orbits in every face, which every round follows all of.
-  const auto charts = makeCharts(torus(40, 20));
-  Points vectors(charts->mesh().vertexCount(), 3);
-  for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
-    const Vec3 p = charts->mesh().point(v);
-    vectors.row(v) = Vec3(-p.y(), p.x(), 0.0);
-  }
-  const auto field = std::make_shared<const VectorField>(fromSpace(charts, vectors));
+  const auto field = turn();
   MorseRefinement refinement(flatFaces(*field), field);
   TransitRefinement transits(flatFaces(*field), field, {.levels = 30, .patience = 30});
   const auto latency = [](auto& work) {
@@ -202,14 +206,7 @@ TEST(Refinement, CancelLeavesCompleteRounds) {
 }
 
 TEST(Refinement, StopsInTheMiddleOfARoundWhenTheTimeIsOver) {
-  // A turn about the axis: closed orbits in every face.
-  const auto charts = makeCharts(torus(40, 20));
-  Points vectors(charts->mesh().vertexCount(), 3);
-  for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
-    const Vec3 p = charts->mesh().point(v);
-    vectors.row(v) = Vec3(-p.y(), p.x(), 0.0);
-  }
-  const auto field = std::make_shared<const VectorField>(fromSpace(charts, vectors));
+  const auto field = turn();
   MorseRefinement refinement(flatFaces(*field), field, {.maximalSeconds = 0.05});
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(refinement.refine(), RefinementStop::Time);
