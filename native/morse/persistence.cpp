@@ -1,68 +1,213 @@
 #include "morse/persistence.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <utility>
 
-#include "morse/union_find.h"
-
 namespace stormfield {
 namespace {
 
-/// An edge between nodes of the current part; rank: place of its epsilon among all different ones.
-struct Edge {
-  Index from, to, rank, id;
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+/// A face that is absorbed, or kNone for into.
+struct Absorbed {
+  Index into = kNone;
+  double epsilon = kNever;
 };
 
-class Bisection {
- public:
-  Bisection(std::size_t edges, Index never, Progress& progress)
-      : never_(never), progress_(progress), level_(edges, never) {
-    work_ = static_cast<double>(edges) * (std::log2(static_cast<double>(never) + 1.0) + 1.0);
-  }
+struct Edge {
+  Index from, to;
+  double epsilon;
+};
 
-  /// Per edge the rank from which its ends are strongly connected, or never where earlier edges connect them.
-  std::vector<Index> run(Index nodes, std::vector<Edge> edges) && {
-    solve(0, never_, nodes, std::move(edges));
+/// Nodes that stand for contracted sets of faces, and the edges between them with their epsilons.
+struct Part {
+  DirectedGraph graph;
+  std::vector<double> epsilons;  ///< per edge
+  std::vector<Index> faces;      ///< per node the least of its faces; ascending
+};
+
+/// Strongly connected sets, numbered by their first nodes, with their nodes in turn, ascending.
+struct Sets {
+  std::vector<Index> of, members, place;  ///< place: of each node among its set's
+  std::vector<std::size_t> offsets{0};
+
+  Index count() const { return static_cast<Index>(offsets.size()) - 1; }
+  Index size(Index set) const { return static_cast<Index>(offsets[set + 1] - offsets[set]); }
+  const Index* begin(Index set) const { return members.data() + offsets[set]; }
+  const Index* end(Index set) const { return members.data() + offsets[set + 1]; }
+};
+
+DirectedGraph graphUpTo(const Part& part, double epsilon) {
+  DirectedGraph graph;
+  graph.offsets.reserve(part.graph.offsets.size());
+  graph.targets.resize(part.graph.edgeCount());
+  std::size_t count = 0;
+  for (Index node = 0; node < part.graph.nodeCount(); ++node) {
+    for (std::size_t e = part.graph.offsets[node]; e < part.graph.offsets[node + 1]; ++e) {
+      graph.targets[count] = part.graph.targets[e];
+      count += part.epsilons[e] <= epsilon ? 1 : 0;
+    }
+    graph.offsets.push_back(count);
+  }
+  graph.targets.resize(count);
+  return graph;
+}
+
+Sets setsOf(const DirectedGraph& graph) {
+  const Components components = stronglyConnectedComponents(graph);
+  Sets sets;
+  const std::size_t nodes = components.of.size();
+  sets.of.resize(nodes);
+  sets.place.resize(nodes);
+  sets.members.resize(nodes);
+  sets.offsets.reserve(static_cast<std::size_t>(components.count()) + 1);
+  std::vector<Index> number(components.count(), kNone), filled(components.count(), 0);
+  for (std::size_t node = 0; node < nodes; ++node) {
+    const Index component = components.of[node];
+    if (number[component] == kNone) {
+      number[component] = sets.count();
+      sets.offsets.push_back(sets.offsets.back() + components.sizes[component]);
+    }
+    const Index set = sets.of[node] = number[component];
+    sets.place[node] = filled[component]++;
+    sets.members[sets.offsets[set] + sets.place[node]] = static_cast<Index>(node);
+  }
+  return sets;
+}
+
+/// visit(node, target, epsilon) for the edges up to an epsilon within a set, by their nodes' places in it.
+template <typename Visit>
+void eachEdgeWithin(const Part& part, const Sets& sets, Index set, double epsilon, const Visit& visit) {
+  for (const Index* node = sets.begin(set); node != sets.end(set); ++node) {
+    for (std::size_t e = part.graph.offsets[*node]; e < part.graph.offsets[*node + 1]; ++e) {
+      const Index target = part.graph.targets[e];
+      if (part.epsilons[e] <= epsilon && sets.of[target] == set) {
+        visit(sets.place[*node], sets.place[target], part.epsilons[e]);
+      }
+    }
+  }
+}
+
+/// One set as a part of its own, with the edges up to an epsilon.
+Part within(const Part& part, const Sets& sets, Index set, double epsilon) {
+  Part result;
+  result.graph.offsets.resize(static_cast<std::size_t>(sets.size(set)) + 1);
+  for (const Index* node = sets.begin(set); node != sets.end(set); ++node) result.faces.push_back(part.faces[*node]);
+  eachEdgeWithin(part, sets, set, epsilon, [&](Index node, Index target, double from) {
+    result.graph.targets.push_back(target);
+    result.epsilons.push_back(from);
+    ++result.graph.offsets[static_cast<std::size_t>(node) + 1];
+  });
+  std::partial_sum(result.graph.offsets.begin(), result.graph.offsets.end(), result.graph.offsets.begin());
+  return result;
+}
+
+/// The sets as nodes; of several edges from one to another the first to appear.
+Part contracted(const DirectedGraph& graph, const std::vector<double>& epsilons, const std::vector<Index>& faces,
+                const Sets& sets) {
+  Part result;
+  result.graph.offsets.reserve(sets.offsets.size());
+  result.faces.reserve(sets.offsets.size());
+  std::vector<std::size_t> last(sets.count(), 0);  // beyond the edge to each from the current set
+  for (Index set = 0; set < sets.count(); ++set) {
+    result.faces.push_back(faces[*sets.begin(set)]);
+    const std::size_t begin = result.graph.offsets.back();
+    for (const Index* node = sets.begin(set); node != sets.end(set); ++node) {
+      for (std::size_t e = graph.offsets[*node]; e < graph.offsets[*node + 1]; ++e) {
+        const Index target = sets.of[graph.targets[e]];
+        if (target == set || epsilons[e] == kNever) continue;
+        if (last[target] > begin) {
+          double& epsilon = result.epsilons[last[target] - 1];
+          epsilon = std::min(epsilon, epsilons[e]);
+        } else {
+          result.graph.targets.push_back(target);
+          result.epsilons.push_back(epsilons[e]);
+          last[target] = result.epsilons.size();
+        }
+      }
+    }
+    result.graph.offsets.push_back(result.graph.targets.size());
+  }
+  return result;
+}
+
+/// Of the epsilons beyond `base` one in the middle (infinite where there are none), and whether it is the only one.
+std::pair<double, bool> middleOf(const std::vector<double>& epsilons, double base) {
+  constexpr std::size_t kSample = 255;
+  double least = kNever, largest = base;
+  for (const double epsilon : epsilons) {
+    largest = std::max(largest, epsilon);
+    if (epsilon > base) least = std::min(least, epsilon);
+  }
+  const auto isBetween = [&](double epsilon) { return epsilon > least && epsilon < largest; };
+  const auto count = static_cast<std::size_t>(std::count_if(epsilons.begin(), epsilons.end(), isBetween));
+  if (count == 0) return {least, least == largest};
+  std::vector<double> sample;
+  const std::size_t stride = (count + kSample - 1) / kSample;
+  std::size_t i = 0;
+  for (const double epsilon : epsilons) {
+    if (isBetween(epsilon) && i++ % stride == 0) sample.push_back(epsilon);
+  }
+  const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
+  std::nth_element(sample.begin(), middle, sample.end());
+  return {*middle, false};
+}
+
+class Merging {
+ public:
+  Merging(Index faces, Progress& progress) : progress_(progress), absorbed_(faces) {}
+
+  std::vector<Absorbed> run(const ErrorBoundedMap& bounded) && {
+    // Most large sets are there from the beginning.
+    const Sets sets = setsOf(mapWithin(bounded, 0.0).graph);
     progress_.check();
-    return std::move(level_);
+    std::vector<Index> faces(bounded.map.graph.nodeCount());
+    std::iota(faces.begin(), faces.end(), 0);
+    absorb(faces, sets, 0.0);
+    solve(contracted(bounded.map.graph, bounded.from, faces, sets), 0.0);
+    progress_.check();
+    return std::move(absorbed_);
   }
 
  private:
-  /// Parts with fewer edges are not worth a thread of their own.
-  static constexpr std::size_t kGrain = 2000;
+  /// Parts of so many nodes are not halved.
+  static constexpr Index kSmall = 64;
+  /// Nodes for one thread at a time.
+  static constexpr Index kGrain = 2000;
 
-  /// Edges, between so many nodes, whose ends are strongly connected from a rank in low..high on (at never_: possibly
-  /// not at all). The two halves have no edge in common.
-  void solve(Index low, Index high, Index nodes, std::vector<Edge> edges) {
-    if (edges.empty() || progress_.cancelled()) return;
-    const std::size_t done = done_ += edges.size();
-    progress_.report(static_cast<double>(done) / work_);
-    if (low == high) {
-      for (const Edge& edge : edges) level_[edge.id] = low;
-      return;
-    }
-    const Index middle = low + (high - low) / 2, count = renumber(nodes, edges);
-    const Components parts = stronglyConnectedComponents(graphUpTo(middle, count, edges));
-    std::vector<Edge> within, between;
-    for (const Edge& edge : edges) {
-      const Index from = parts.of[edge.from], to = parts.of[edge.to];
-      if (from != to) between.push_back({from, to, edge.rank, edge.id});
-      // An edge that appears later, between ends that are connected already, adds nothing.
-      if (from == to && edge.rank <= middle) within.push_back(edge);
-    }
-    const bool shared = edges.size() > kGrain;
-    edges = {};
-    const auto lower = [&] { solve(low, middle, count, std::move(within)); };
-    const auto upper = [&] { solve(middle + 1, high, parts.count(), std::move(between)); };
-    if (shared) {
+  /// Up to `base` its edges connect no two nodes strongly.
+  void solve(Part part, double base) {
+    if (progress_.cancelled()) return;
+    const Index nodes = part.graph.nodeCount();
+    if (nodes <= kSmall) return solveSmall(part);
+    const auto [middle, isLast] = middleOf(part.epsilons, base);
+    if (middle == kNever) return;
+    const Sets sets = setsOf(graphUpTo(part, middle));
+    if (isLast) return absorb(part.faces, sets, middle);
+    Part rest = contracted(part.graph, part.epsilons, part.faces, sets);
+    const auto lower = [&] {
+      const auto solveSets = [&](const tbb::blocked_range<Index>& range) {
+        for (Index set = range.begin(); set < range.end(); ++set) {
+          if (sets.size(set) > 1) solve(within(part, sets, set, middle), base);
+        }
+      };
+      const tbb::blocked_range<Index> all(0, sets.count(), kGrain);
+      nodes > kGrain ? tbb::parallel_for(all, solveSets) : solveSets(all);
+      part = {};
+    };
+    const auto upper = [&] { solve(std::move(rest), middle); };
+    if (nodes > kGrain) {
       tbb::parallel_invoke(lower, upper);
     } else {
       lower();
@@ -70,105 +215,98 @@ class Bisection {
     }
   }
 
-  /// Numbers the ends of the edges from 0 without gaps; how many they are.
-  static Index renumber(Index nodes, std::vector<Edge>& edges) {
-    std::vector<Index> number(nodes, kNone);
-    Index count = 0;
-    const auto numberOf = [&](Index node) { return number[node] == kNone ? number[node] = count++ : number[node]; };
-    for (Edge& edge : edges) {
-      edge.from = numberOf(edge.from);
-      edge.to = numberOf(edge.to);
+  /// Sets whose nodes come together at one epsilon.
+  void absorb(const std::vector<Index>& faces, const Sets& sets, double epsilon) {
+    for (Index set = 0; set < sets.count(); ++set) {
+      const Index first = faces[*sets.begin(set)];
+      for (const Index* node = sets.begin(set) + 1; node != sets.end(set); ++node) {
+        absorbed_[faces[*node]] = {first, epsilon};
+      }
     }
-    return count;
+    report(static_cast<Index>(sets.members.size()) - sets.count());
   }
 
-  /// Rows may hold a target more than once, in any order: strongly connected components do not mind.
-  static DirectedGraph graphUpTo(Index rank, Index nodes, const std::vector<Edge>& edges) {
-    DirectedGraph graph;
-    graph.offsets.assign(static_cast<std::size_t>(nodes) + 1, 0);
-    for (const Edge& edge : edges) {
-      if (edge.rank <= rank) ++graph.offsets[static_cast<std::size_t>(edge.from) + 1];
+  /// Edge by edge, with what every node reaches.
+  void solveSmall(const Part& part) {
+    const Index nodes = part.graph.nodeCount();
+    report(nodes - 1);
+    std::vector<Edge> edges;
+    for (Index node = 0; node < nodes; ++node) {
+      for (std::size_t e = part.graph.offsets[node]; e < part.graph.offsets[node + 1]; ++e) {
+        edges.push_back({node, part.graph.targets[e], part.epsilons[e]});
+      }
     }
-    std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
-    graph.targets.resize(graph.offsets.back());
-    std::vector<std::size_t> next(graph.offsets.begin(), graph.offsets.end() - 1);
-    for (const Edge& edge : edges) {
-      if (edge.rank <= rank) graph.targets[next[edge.from]++] = edge.to;
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.epsilon < b.epsilon; });
+    std::array<std::uint64_t, kSmall> reached;
+    std::uint64_t single = 0;  // not absorbed
+    for (Index node = 0; node < nodes; ++node) single |= reached[node] = std::uint64_t{1} << node;
+    const auto has = [&](Index node, Index other) { return (reached[node] >> other & 1U) != 0; };
+    for (const auto& [from, to, epsilon] : edges) {
+      if (has(from, to)) continue;
+      const bool closes = has(to, from);
+      const std::uint64_t more = reached[to];
+      for (Index node = 0; node < nodes; ++node) reached[node] |= has(node, from) ? more : 0;
+      if (!closes) continue;
+      Index least = kNone;
+      for (Index node = 0; node < nodes; ++node) {
+        if ((single >> node & 1U) == 0 || !has(node, from) || !has(from, node)) continue;
+        if (least == kNone) {
+          least = node;
+        } else {
+          absorbed_[part.faces[node]] = {part.faces[least], epsilon};
+          single ^= std::uint64_t{1} << node;
+        }
+      }
     }
-    return graph;
   }
 
-  Index never_;
-  std::atomic<std::size_t> done_{0};  ///< edges looked at
-  double work_;                       ///< at most to look at
+  void report(Index nodes) {
+    const Index done = done_ += nodes;
+    progress_.report(std::min(1.0, static_cast<double>(done) / static_cast<double>(absorbed_.size())));
+  }
+
   Progress& progress_;
-  std::vector<Index> level_;
+  std::atomic<Index> done_{0};
+  std::vector<Absorbed> absorbed_;
 };
 
 }  // namespace
 
 MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress) {
-  const DirectedGraph& graph = bounded.map.graph;
-  std::vector<double> epsilons;
-  std::vector<Edge> edges;
-  const auto isPair = [&](Index node, std::size_t e) {
-    return graph.targets[e] != node && graph.targets[e] != bounded.map.outside() &&
-           bounded.from[e] < std::numeric_limits<double>::infinity();
-  };
-  for (Index node = 0; node < graph.nodeCount(); ++node) {
-    for (std::size_t e = graph.offsets[node]; e < graph.offsets[node + 1]; ++e) {
-      if (isPair(node, e)) epsilons.push_back(bounded.from[e]);
-    }
+  const std::vector<Absorbed> absorbed = Merging(bounded.map.outside(), progress).run(bounded);
+  // Of those at one epsilon the larger faces first: they may be absorbed by the lesser.
+  std::vector<std::pair<double, Index>> order, later;
+  order.reserve(absorbed.size());
+  for (Index f = bounded.map.outside() - 1; f >= 0; --f) {
+    if (absorbed[f].into != kNone) (absorbed[f].epsilon == 0.0 ? order : later).emplace_back(absorbed[f].epsilon, -f);
   }
-  std::vector<double> ranks = epsilons;
-  tbb::parallel_sort(ranks.begin(), ranks.end());
-  progress.check();
-  ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
-  for (Index node = 0; node < graph.nodeCount(); ++node) {
-    for (std::size_t e = graph.offsets[node]; e < graph.offsets[node + 1]; ++e) {
-      if (!isPair(node, e)) continue;
-      const Index id = static_cast<Index>(edges.size());
-      const auto rank = std::lower_bound(ranks.begin(), ranks.end(), epsilons[id]) - ranks.begin();
-      edges.push_back({node, graph.targets[e], static_cast<Index>(rank), id});
-    }
-  }
-  const Index never = static_cast<Index>(ranks.size());
-  const std::vector<Edge> pairs = edges;
-  progress.check();
-  Bisection bisection(edges.size(), never, progress);
-  const std::vector<Index> level = std::move(bisection).run(graph.nodeCount(), std::move(edges));
-
-  std::vector<Index> byLevel(pairs.size());
-  std::iota(byLevel.begin(), byLevel.end(), 0);
-  tbb::parallel_sort(byLevel.begin(), byLevel.end(),
-                     [&](Index a, Index b) { return level[a] != level[b] ? level[a] < level[b] : a < b; });
-  UnionFind joined(graph.nodeCount());
+  tbb::parallel_sort(later.begin(), later.end());
+  order.insert(order.end(), later.begin(), later.end());
   MergeLevels result;
-  for (const Index id : byLevel) {
-    if (level[id] == never) break;
-    if (!joined.join(pairs[id].from, pairs[id].to)) continue;
-    result.epsilon.push_back(ranks[level[id]]);
-    result.first.push_back(pairs[id].from);
-    result.second.push_back(pairs[id].to);
+  result.epsilon.reserve(order.size());
+  result.first.reserve(order.size());
+  result.second.reserve(order.size());
+  for (const auto& [epsilon, minusFace] : order) {
+    result.epsilon.push_back(epsilon);
+    result.first.push_back(absorbed[-minusFace].into);
+    result.second.push_back(-minusFace);
   }
   return result;
 }
 
 std::vector<double> persistenceOf(const MergeLevels& levels, const FaceSets& sets, double epsilon) {
   constexpr Index kSeveral = -2;
-  std::vector<double> result(sets.count(), std::numeric_limits<double>::infinity());
-  std::vector<Index> holds = sets.setOf();  // per joined class: its only Morse set, or none, or several
-  UnionFind joined(static_cast<Index>(holds.size()));
+  std::vector<double> result(sets.count(), kNever);
+  std::vector<Index> holds = sets.setOf();  // with what each face has absorbed: the only Morse set, none, or several
   for (std::size_t i = 0; i < levels.epsilon.size(); ++i) {
-    const Index a = joined.find(levels.first[i]), b = joined.find(levels.second[i]);
-    joined.join(a, b);
-    const Index left = holds[a], right = holds[b];
-    Index& both = holds[joined.find(a)];
-    if (left == kNone || right == kNone || left == right) {
-      both = left == kNone ? right : left;
+    Index& both = holds[levels.first[i]];
+    const Index other = holds[levels.second[i]];
+    if (other == kNone || other == both) continue;
+    if (both == kNone) {
+      both = other;
       continue;
     }
-    for (const Index set : {left, right}) {
+    for (const Index set : {both, other}) {
       if (set != kSeveral) result[set] = std::max(levels.epsilon[i], epsilon);
     }
     both = kSeveral;
