@@ -1,9 +1,10 @@
-// Edge crossings per second of the tracer, with its error against a fine trace of the same seeds, in mean edge lengths;
-// frames of advected coordinates and stream functions per second.
+// Edge crossings per second of the tracer (of processor time, one core), with its error against a fine trace of the same
+// seeds, in mean edge lengths, where digits is -log10 of the tolerance and points says whether they are kept; frames of advected coordinates and stream functions per second.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
 #include "../tracing/surfaces.h"
+#include "data_sets.h"
 #include "texture/advected_coordinates.h"
 #include "texture/stagger.h"
 #include "texture/stream_function.h"
@@ -12,35 +13,58 @@
 namespace stormfield {
 namespace {
 
-/// Streamlines of a fixed arc length on a sphere with range(0)^2 * 20 faces; range(1) is -log10 of the tolerance.
-void Streamlines(benchmark::State& state) {
-  const auto charts = surfaces::sphere(static_cast<Index>(state.range(0)));
-  const VectorField field = surfaces::swirlField(charts);
-  const FlatFaces faces(charts);
-  const auto seeds = surfaces::randomSeeds(charts->mesh(), 2000, 1);
-  TraceOptions options;
-  options.maximalLength = 100.0 * charts->mesh().meanEdgeLength();
-  options.tolerance = std::pow(10.0, -static_cast<double>(state.range(1)));
+/// What is asked of streamlines: for where they end alone, or for all points as well.
+enum Kept : std::int64_t { kEnds, kPoints };
 
-  const tbb::global_control oneThread(tbb::global_control::max_allowed_parallelism, 1);
+/// Seeds whose streamlines have the whole length.
+std::vector<SurfacePoint> seedsOfWholeLines(const FlatFaces& faces, const VectorField& field,
+                                            const TraceOptions& options) {
+  auto seeds = surfaces::randomSeeds(faces.mesh(), 24000, 1);
+  const auto ends = traceStreamlineEnds(faces, field, seeds, options);
+  std::vector<SurfacePoint> whole;
+  for (std::size_t i = 0; i < seeds.size() && whole.size() < 2000; ++i) {
+    if (ends[i].reason == StopReason::Length) whole.push_back(seeds[i]);
+  }
+  return whole;
+}
+
+/// Streamlines 100 mean edges long, on one core, and the distances of their ends from those of fine traces.
+void follow(benchmark::State& state, const VectorField& field, std::int64_t kept, std::int64_t digits) {
+  const TriangleMesh& mesh = field.mesh();
+  const FlatFaces faces(field.charts);
+  TraceOptions options;
+  options.maximalLength = 100.0 * mesh.meanEdgeLength();
+  options.minimalSpeed = 1e-9;
+  const auto seeds = seedsOfWholeLines(faces, field, options);
+  options.tolerance = std::pow(10.0, -static_cast<double>(digits));
+
   double crossings = 0.0, steps = 0.0;
-  std::vector<TraceEnd> ends(seeds.size());
-  for (auto _ : state) {
-    ends = traceStreamlineEnds(faces, field, seeds, options);
-    for (const TraceEnd& end : ends) {
-      crossings += end.crossings;
-      steps += end.steps;
+  std::vector<TraceEnd> ends;
+  {
+    const tbb::global_control oneThread(tbb::global_control::max_allowed_parallelism, 1);
+    for (auto _ : state) {
+      if (kept == kPoints) {
+        const Traces traces = traceStreamlines(faces, field, seeds, options);
+        benchmark::DoNotOptimize(traces.points.data());
+        ends = traces.ends;
+      } else {
+        ends = traceStreamlineEnds(faces, field, seeds, options);
+      }
+      for (const TraceEnd& end : ends) {
+        crossings += end.crossings;
+        steps += end.steps;
+      }
     }
   }
-  TraceOptions fine = options;
-  fine.tolerance = 1e-12;
-  const auto exact = traceStreamlineEnds(faces, field, seeds, fine);
+  constexpr std::size_t kCompared = 200;
+  options.tolerance = 1e-12;
+  const auto exact =
+      traceStreamlineEnds(faces, field, {seeds.begin(), seeds.begin() + std::min(kCompared, seeds.size())}, options);
   std::vector<double> errors;
-  for (std::size_t i = 0; i < seeds.size(); ++i) {
+  for (std::size_t i = 0; i < exact.size(); ++i) {
     // Where a trace ends near a fixed point says how slow is slow enough, not how exact the way there is.
     if (ends[i].reason != StopReason::Length || exact[i].reason != StopReason::Length) continue;
-    errors.push_back((position(charts->mesh(), ends[i].point) - position(charts->mesh(), exact[i].point)).norm() /
-                     charts->mesh().meanEdgeLength());
+    errors.push_back((position(mesh, ends[i].point) - position(mesh, exact[i].point)).norm() / mesh.meanEdgeLength());
   }
   std::sort(errors.begin(), errors.end());
   state.counters["crossings/s"] = benchmark::Counter(crossings, benchmark::Counter::kIsRate);
@@ -49,9 +73,27 @@ void Streamlines(benchmark::State& state) {
   state.counters["95% error"] = errors[errors.size() * 95 / 100];
   state.counters["largest error"] = errors.back();
 }
-BENCHMARK(Streamlines)
-    ->ArgsProduct({{20, 72}, {3, 4, 5, 6, 8}})
-    ->ArgNames({"n", "digits"})
+
+/// On a sphere with range(0)^2 * 20 faces.
+void StreamlinesOnTheSphere(benchmark::State& state) {
+  const auto charts = surfaces::sphere(static_cast<Index>(state.range(0)));
+  follow(state, surfaces::swirlField(charts), state.range(1), state.range(2));
+}
+BENCHMARK(StreamlinesOnTheSphere)
+    ->ArgsProduct({{20, 72}, {kEnds, kPoints}, {4, 6, 8}})
+    ->ArgNames({"n", "points", "digits"})
+    ->Unit(benchmark::kMillisecond);
+
+/// On the gas engine, 26,298 faces, each edge cut in range(0): what users bring has faces of all shapes.
+void StreamlinesOnTheGasEngine(benchmark::State& state) {
+  const auto data = test::dataSet("gasEngineV.t");
+  if (!data) return state.SkipWithError("the gas engine is not at hand");
+  const auto cut = test::subdivided(*data, static_cast<Index>(state.range(0)));
+  follow(state, test::fieldOn(cut), state.range(1), state.range(2));
+}
+BENCHMARK(StreamlinesOnTheGasEngine)
+    ->ArgsProduct({{1, 2}, {kEnds, kPoints}, {5, 6, 7}})
+    ->ArgNames({"cut", "points", "digits"})
     ->Unit(benchmark::kMillisecond);
 
 /// One frame of advected coordinates, both phases of a period of 48 frames, on a sphere with 10 range(0)^2 + 2 vertices
