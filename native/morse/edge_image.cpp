@@ -20,8 +20,8 @@ constexpr double kLeft = 0.3, kUnseen = 0.1;
 /// By how much a step bends chords, as a part of the gradient's turn; less in one face, where the field is all but
 /// linear. And the most by which one step is taken to draw them out (its logarithm).
 constexpr double kFed = 0.025, kFedInFace = 0.1, kMostGrowth = 3.0;
-/// Where images are followed for long, in Morse sets, chords are taken to show this much of themselves.
-constexpr double kMostInSet = 0.25;
+/// Chords shorter than this part of a face show what lies between their ends, but for this part of their length.
+constexpr double kShort = 0.25, kShown = 0.25;
 /// Padding around chords: this part of how far images may leave them, and of chord and face size at least.
 constexpr double kPadding = 1.0, kChordPadding = 0.01, kLeastPadding = 2e-3;
 /// Of the largest radius of some samples: inside the faces, it may be larger.
@@ -133,7 +133,8 @@ void EdgeImageMaker::open(std::size_t slot, Stop a, Stop b, int step, int level,
   Edge& edge = slots_[slot];
   const int middle = static_cast<int>(edge.samples.size()), interval = static_cast<int>(edge.intervals.size());
   edge.samples.push_back({0.5 * (edge.samples[a.sample].s + edge.samples[b.sample].s)});
-  edge.intervals.push_back({{a, {middle, kNowhere}, b}, {false, true, false}, step, level, away});
+  const double half = 0.5 * flow_->mesh().edgeLength(edges_[edge.number].edge);
+  edge.intervals.push_back({{a, {middle, kNowhere}, b}, {false, true, false}, step, level, away, {half, half}});
   ++edge.open;
   ++traces_;
   gather(slot, interval);
@@ -219,8 +220,9 @@ EdgeImageMaker::Verdict EdgeImageMaker::judge(Edge& edge, Interval& interval) {
     return Verdict::Halve;
   }
   if (away < 0.0) away = kUnseen * shape.longest;
-  if (!interval.first || interval.level == 0) away = grown(away, a, middle, b, shape.longest);
+  if (!interval.first || interval.level == 0) away = grown(interval, a, middle, b, shape);
   interval.first = false;
+  interval.chords = shape.chords;
   away = std::max(away, shape.apart + shape.spread);
   const bool last = interval.step == steps_;
   const double flat = last ? kFlat : kFlatOnTheWay;
@@ -234,18 +236,24 @@ EdgeImageMaker::Verdict EdgeImageMaker::judge(Edge& edge, Interval& interval) {
   return Verdict::Done;
 }
 
-/// How far an image that was so far from its chords may be after the next step: the flow draws it apart, and bends the
-/// chords where they are in more than one face.
-double EdgeImageMaker::grown(double away, const Arrival& a, const Arrival& middle, const Arrival& b,
-                             double longest) const {
+/// How far an image that was so far from its chords may be after the next step. The flow draws it apart by no more than
+/// it draws any vector out. And as it keeps the area between a chord and what is off it but for the divergence, it does
+/// so by no more than that over how much longer the chord has become; this is known where chords are short enough to
+/// show it. Chords bend where they are in more than one face.
+double EdgeImageMaker::grown(const Interval& interval, const Arrival& a, const Arrival& middle, const Arrival& b,
+                             const Shape& shape) const {
   const Index f = middle.point.face, left = a.point.face, right = b.point.face;
   const double step = tau_ / steps_;
   const double growth = std::max({flow_->growth(f), flow_->growth(left), flow_->growth(right)});
+  const double spreading = std::max({flow_->divergence(f), flow_->divergence(left), flow_->divergence(right)});
   const double bending = std::max({flow_->bending(f), flow_->bending(left), flow_->bending(right)});
+  const double shorter = std::max(interval.chords[0] / shape.chords[0], interval.chords[1] / shape.chords[1]);
   const bool inOneFace = f == left && f == right;
-  const double fed = kFed * (inOneFace ? kFedInFace : 1.0) * std::min(bending * step, 1.0) * longest;
-  const double grown = std::exp(std::min(growth * step, kMostGrowth)) * away + fed;
-  return windows_ == nullptr ? grown : std::min(grown, kMostInSet * longest);
+  const double fed = kFed * (inOneFace ? kFedInFace : 1.0) * std::min(bending * step, 1.0) * shape.longest;
+  const double drawn = std::exp(std::min(growth * step, kMostGrowth)) * interval.away + fed;
+  if (std::max(interval.chords[0], interval.chords[1]) > kShort * shape.size) return drawn;
+  const double spread = std::exp(std::min(spreading * step, kMostGrowth)) * shorter * interval.away + fed;
+  return std::min(drawn, std::max(spread, kShown * shape.longest));
 }
 
 EdgeImageMaker::Shape EdgeImageMaker::shapeOf(const Arrival& a, const Arrival& middle, const Arrival& b) const {
@@ -263,8 +271,8 @@ EdgeImageMaker::Shape EdgeImageMaker::shapeOf(const Arrival& a, const Arrival& m
           std::min(shape.apart, magnitude(shape.at - 0.5 * (shape.toA[i](shape.inA) + shape.toB[j](shape.inB))));
     }
   }
-  shape.longest =
-      std::max(magnitude(shape.at - shape.toA[0](shape.inA)), magnitude(shape.at - shape.toB[0](shape.inB)));
+  shape.chords = {magnitude(shape.at - shape.toA[0](shape.inA)), magnitude(shape.at - shape.toB[0](shape.inB))};
+  shape.longest = std::max(shape.chords[0], shape.chords[1]);
   shape.spread = std::max(shape.toA.spread(shape.at, shape.inA), shape.toB.spread(shape.at, shape.inB));
   shape.size = faceSize(faces[point.face]);
   return shape;

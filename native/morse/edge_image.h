@@ -77,7 +77,8 @@ class EdgeImageMaker final : private Moves {
     std::array<Stop, 3> stops;
     std::array<bool, 3> behind;  ///< whether a stop is that before the step
     int step, level;
-    double away;  ///< by how much the image may leave the chords
+    double away;                   ///< by how much the image may leave the chords
+    std::array<double, 2> chords;  ///< their lengths after the step before
     bool first = true;
   };
   /// An edge whose image is being made.
@@ -101,9 +102,10 @@ class EdgeImageMaker final : private Moves {
   struct Shape {
     Unfoldings toA, toB;  ///< into the plane of the middle's face
     Complex at{}, inA{}, inB{};
-    double apart = 0.0;    ///< distance of the middle from the straight line of the ends, at most
-    double longest = 0.0;  ///< of the two chords
-    double size = 0.0;     ///< of the middle's face
+    double apart = 0.0;              ///< distance of the middle from the straight line of the ends, at most
+    std::array<double, 2> chords{};  ///< their lengths
+    double longest = 0.0;            ///< of the two
+    double size = 0.0;               ///< of the middle's face
     double spread = 0.0;
 
     bool comparable() const { return toA.count() > 0 && toB.count() > 0; }
@@ -123,7 +125,8 @@ class EdgeImageMaker final : private Moves {
   void halve(std::size_t slot, const Interval& interval);
 
   Verdict judge(Edge& edge, Interval& interval);
-  double grown(double away, const Arrival& a, const Arrival& middle, const Arrival& b, double longest) const;
+  double grown(const Interval& interval, const Arrival& a, const Arrival& middle, const Arrival& b,
+               const Shape& shape) const;
   Shape shapeOf(const Arrival& a, const Arrival& middle, const Arrival& b) const;
   void collect(const Arrival& a, const Arrival& middle, const Arrival& b, const Shape& shape, double padding);
   void keep(Edge& edge);

@@ -216,6 +216,7 @@ TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit,
 /// Of the linear part of the field. At unit speed the gradient is that of the direction, and no contraction is counted.
 void TauFlow::measureFaces() {
   growth_.resize(mesh().faceCount());
+  divergence_.resize(mesh().faceCount());
   bending_.resize(mesh().faceCount());
   double sum = 0.0;
   for (Index f = 0; f < mesh().faceCount(); ++f) {
@@ -233,9 +234,11 @@ void TauFlow::measureFaces() {
     const double stretch = std::hypot(alongX.real() - alongY.imag(), alongX.imag() + alongY.real());
     bending_[f] = std::sqrt(std::norm(alongX) + std::norm(alongY));
     growth_[f] = 0.5 * (divergence + stretch);
+    divergence_[f] = divergence;
     if (unit_ == TauUnit::Length) {
       bending_[f] /= std::sqrt(std::max(squaredSpeed, 1e-300));
       growth_[f] = 0.5 * bending_[f];
+      divergence_[f] = bending_[f];
     }
     sum += mesh().faceArea(f) * bending_[f];
   }

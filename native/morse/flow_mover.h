@@ -65,9 +65,10 @@ class TauFlow {
   std::unique_ptr<Mover> mover(Direction direction, const Progress* progress) const;
   /// Whether the field points out of the surface somewhere on a boundary halfedge.
   bool flowsOut(Index h) const { return flowsOut_[h] != 0; }
-  /// How fast the flow draws curves apart and bends them in a face, per unit of tau: the largest rate at which a vector
-  /// grows there (less than 0 where all shrink), and the size of the field's gradient.
+  /// How fast the flow draws curves apart and bends them in a face, per unit of tau: the largest rates at which a
+  /// vector and an area grow there (less than 0 where all shrink), and the size of the field's gradient.
   double growth(Index f) const { return growth_[f]; }
+  double divergence(Index f) const { return divergence_[f]; }
   double bending(Index f) const { return bending_[f]; }
   /// Time, or length, in which the field changes little along most trajectories; infinite for a field that is zero.
   double stepTau() const { return stepTau_; }
@@ -79,7 +80,7 @@ class TauFlow {
   const VectorField* field_;
   TauUnit unit_;
   double tolerance_, stepTau_;
-  std::vector<double> slowSpeeds_, growth_, bending_;
+  std::vector<double> slowSpeeds_, growth_, divergence_, bending_;
   std::vector<char> flowsOut_;
   std::unique_ptr<FaceFlow[]> along_, against_;  ///< per face, for movers in time
   std::unique_ptr<const Parting> parting_;       ///< where there is an error

@@ -132,6 +132,35 @@ TEST(TauMap, EnclosesTheImagesOfTheGasEngine) {
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, tries(2000), asked), 0);
 }
 
+// Ends and middle of an edge come together, but between them it is drawn out by a saddle that they pass.
+TEST(TauMap, SeesWhatLeavesBetweenSamplesThatComeTogether) {
+  const auto charts = makeCharts(icosphere(2));
+  const FlatFaces faces(charts);
+  const VectorField field = randomField(charts, 3);
+  const double tau = startingTau(field, TauUnit::Time, 6.0);
+  std::vector<double> taus(charts->mesh().faceCount(), 0.0);
+  taus[162] = taus[163] = tau;
+  const CombinatorialMap map = tauMap(faces, field, taus);
+  EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, tries(500), {162, 163}), 0);
+}
+
+// Around a spiral the flow draws vectors out for half of each turn, while all comes together.
+TEST(TauMap, FollowsImagesIntoSpiralsWithFewTraces) {
+  const auto charts = makeCharts(grid(12));
+  Points vectors = charts->mesh().points();
+  for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
+    const double x = vectors(v, 0) - 0.013, y = vectors(v, 1) + 0.017;
+    vectors.row(v) = Vec3(-0.3 * x - 4.0 * y, x - 0.3 * y, 0.0);
+  }
+  const VectorField field = fromSpace(charts, vectors);
+  const FlatFaces faces(charts);
+  TauWork work;
+  std::vector<double> taus(charts->mesh().faceCount(), 0.0);
+  for (Index f = 120; f < 140; ++f) taus[f] = 20.0;
+  tauMap(faces, field, taus, {}, nullptr, &work);
+  EXPECT_LT(work.traces, 400u);
+}
+
 TEST(TauMap, MovesAGridByAConstantField) {
   const auto charts = makeCharts(grid(10));
   const FlatFaces faces(charts);
