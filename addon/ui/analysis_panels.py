@@ -9,7 +9,7 @@ from ..operators.pathlines import STORMFIELD_OT_pathlines
 from ..operators.shared import active_field
 from ..operators.streamlines import STORMFIELD_OT_streamlines
 from ..properties.analysis import CATEGORIES
-from . import icons, markers
+from . import graph_editor, icons, markers
 from .panels import FieldPanel, draw_progress, hint, text_lines
 
 #: What a list says while it is empty.
@@ -169,7 +169,7 @@ class STORMFIELD_OT_show_graph(bpy.types.Operator):
             area = next(iter(set(context.screen.areas) - before))
             area.ui_type = entity_nodes.TREE
             _settle(area)
-        bpy.app.timers.register(lambda: _frame_all(), first_interval=0.1)
+        graph_editor.frame_soon()
         return {"FINISHED"}
 
 
@@ -177,16 +177,6 @@ def _settle(area: bpy.types.Area) -> None:
     space = area.spaces.active
     space.show_region_toolbar = space.show_region_ui = False
     space.overlay.show_context_path = False
-
-
-def _frame_all() -> None:
-    """Show the whole graph in every editor that is open, once it has been drawn."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.ui_type == entity_nodes.TREE:
-                region = next(region for region in area.regions if region.type == "WINDOW")
-                with bpy.context.temp_override(window=window, area=area, region=region):
-                    bpy.ops.node.view_all()
 
 
 CLASSES = (STORMFIELD_PT_analysis, STORMFIELD_PT_curves, STORMFIELD_OT_show_graph)

@@ -145,11 +145,32 @@ def _draw() -> None:
     if context.space_data.tree_type != entity_nodes.TREE or tree is None or tree.bl_idname != entity_nodes.TREE:
         return
     draw_links(context, tree)
+    shown = (tree.name, len(tree.nodes))
+    if _framed.get(context.area.as_pointer()) != shown:
+        _framed[context.area.as_pointer()] = shown
+        frame_soon()
     owner = tree.owner
     active = tree.nodes.active
     clicked = active is not None and active.select
     if owner is not None and clicked and active.entity != owner.stormfield.analysis.list(tree.which).active:
         _take_over(owner.name, tree.which)
+
+
+_framed: dict[int, tuple[str, int]] = {}  # per editor: the graph that was last brought into view, and its size
+
+
+def frame_soon() -> None:
+    """Bring the whole graph into view, in every editor that shows one, once it has been drawn."""
+
+    def later():
+        for window in bpy.context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.ui_type == entity_nodes.TREE:
+                    region = next(region for region in area.regions if region.type == "WINDOW")
+                    with bpy.context.temp_override(window=window, area=area, region=region):
+                        bpy.ops.node.view_all()
+
+    bpy.app.timers.register(later, first_interval=0.1)
 
 
 def _take_over(name: str, which: str) -> None:
@@ -271,4 +292,5 @@ def unregister() -> None:
         bpy.types.SpaceNodeEditor.draw_handler_remove(_handle, "WINDOW")
         _handle = None
     _kept.clear()
+    _framed.clear()
     bpy.types.NODE_HT_header.remove(draw_header)
