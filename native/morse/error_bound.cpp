@@ -93,6 +93,8 @@ struct Row {
   }
 };
 
+}  // namespace
+
 std::vector<double> checkedWeights(const VectorField& field, const std::vector<double>& weights) {
   const auto vertices = static_cast<std::size_t>(field.mesh().vertexCount());
   if (weights.empty()) return std::vector<double>(vertices, 1.0);
@@ -108,7 +110,14 @@ std::vector<double> checkedWeights(const VectorField& field, const std::vector<d
   return weights;
 }
 
-}  // namespace
+std::vector<double> restingLevels(const VectorField& field, const std::vector<double>& givenWeights) {
+  const std::vector<double> weights = checkedWeights(field, givenWeights);
+  const std::vector<char> resting = restingFaces(field);
+  std::vector<double> result(resting.size());
+  tbb::parallel_for(Index{0}, field.mesh().faceCount(),
+                    [&](Index f) { result[f] = resting[f] != 0 ? 0.0 : restsFromOf(field, weights, f); });
+  return result;
+}
 
 ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<double>& weights) {
   Progress progress;
@@ -118,14 +127,12 @@ ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<doub
 ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<double>& givenWeights, Progress& progress) {
   const TriangleMesh& mesh = field.mesh();
   const std::vector<double> weights = checkedWeights(field, givenWeights);
-  const std::vector<char> resting = restingFaces(field);
   ErrorBoundedMap result;
-  result.restsFrom.resize(mesh.faceCount());
+  result.restsFrom = restingLevels(field, weights);
   std::vector<Row> rows(mesh.faceCount());
   progress.check();
   tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
     if (progress.cancelled()) return;
-    result.restsFrom[f] = resting[f] != 0 ? 0.0 : restsFromOf(field, weights, f);
     rows[f].add(f, result.restsFrom[f]);
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index twin = mesh.twin(h);

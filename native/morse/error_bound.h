@@ -42,6 +42,11 @@ CombinatorialMap mapWithin(const ErrorBoundedMap& bounded, double epsilon);
 /// Per face whether it can hold a fixed point of a field within epsilon.
 std::vector<char> restingWithin(const ErrorBoundedMap& bounded, double epsilon);
 
+/// Per face the epsilon from which it can hold a fixed point, 0 where it does. Throws InputError naming the vertex.
+std::vector<double> restingLevels(const VectorField& field, const std::vector<double>& weights);
+/// One weight per vertex, also where none were given. Throws InputError naming the vertex.
+std::vector<double> checkedWeights(const VectorField& field, const std::vector<double>& weights);
+
 /// Mean of |V| over the area of the surface (by vertices), the unit of relative bounds.
 double meanSpeed(const VectorField& field);
 

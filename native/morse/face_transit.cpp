@@ -73,6 +73,21 @@ struct FaceTransit::Arcs {
   BoundaryArc arc(int i) const {
     return count == 1 ? BoundaryArc{0.0, 3.0} : BoundaryArc{begin[i], around(begin[i], begin[(i + 1) % count])};
   }
+  BoundaryArc exitAt(double position) const {
+    BoundaryArc best;
+    double nearest = 4.0;
+    for (int i = 0; i < count; ++i) {
+      if (exits[i] == 0) continue;
+      const BoundaryArc exit = arc(i);
+      const double in = around(exit.begin, position);
+      const double away = in <= exit.length ? 0.0 : std::min(in - exit.length, 3.0 - in);
+      if (away < nearest) {
+        nearest = away;
+        best = exit;
+      }
+    }
+    return best;
+  }
 };
 
 FaceTransit::FaceTransit(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field)
@@ -111,25 +126,20 @@ FaceTransit::Arcs FaceTransit::arcs(Index f, Direction direction) const {
 }
 
 BoundaryArc FaceTransit::arcOf(Index f, double position, Direction direction) const {
-  const Arcs all = arcs(f, direction);
-  BoundaryArc best;
-  double nearest = 4.0;
-  for (int i = 0; i < all.count; ++i) {
-    if (all.exits[i] == 0) continue;
-    const BoundaryArc arc = all.arc(i);
-    const double in = around(arc.begin, position);
-    const double away = in <= arc.length ? 0.0 : std::min(in - arc.length, 3.0 - in);
-    if (away < nearest) {
-      nearest = away;
-      best = arc;
-    }
-  }
-  return best;
+  return arcs(f, direction).exitAt(position);
+}
+
+std::pair<BoundaryArc, bool> FaceTransit::arcOfBoth(Index f, double a, double b) const {
+  if (a == kRest || b == kRest) return {{}, false};
+  const Arcs all = arcs(f, Direction::Forward);
+  const BoundaryArc arc = all.exitAt(a);
+  return {arc, all.exitAt(b).begin == arc.begin};
 }
 
 bool FaceTransit::sameArc(Index f, double a, double b, Direction direction) const {
   if (a == kRest || b == kRest) return a == b;
-  return arcOf(f, a, direction).begin == arcOf(f, b, direction).begin;
+  const Arcs all = arcs(f, direction);
+  return all.exitAt(a).begin == all.exitAt(b).begin;
 }
 
 double FaceTransit::leaves(Index f, double position, Direction direction) const {

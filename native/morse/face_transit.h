@@ -14,6 +14,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "field/vector_field.h"
@@ -67,6 +68,8 @@ class FaceTransit {
   double leavesFromEnd(Index f, double end, double otherEnd) const;
   /// Whether two places where trajectories leave are both rest or in one arc of exit (going back: of entry).
   bool sameArc(Index f, double a, double b, Direction direction = Direction::Forward) const;
+  /// The arc of exit of a place where trajectories leave, and whether another one lies in it too (rest lies in none).
+  std::pair<BoundaryArc, bool> arcOfBoth(Index f, double a, double b) const;
   /// Whether the trajectory through an end of an arc touches the boundary there from within the face.
   bool touchesAt(Index f, double position) const;
   /// The arc of exit that a position lies in, or the nearest one. Length 0 when there is none.

@@ -39,16 +39,16 @@ bool meet(double begin, double length, const BoundaryArc& arc) {
 }  // namespace
 
 TransitMap::TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
-                       Progress* progress)
+                       Progress* progress, std::shared_ptr<const ConeTransit> cones)
     : transit_(std::make_shared<const FaceTransit>(std::move(faces), std::move(field))),
+      cones_(std::move(cones)),
       restSlot_(mesh().faceCount(), kNone) {
+  if (cones_) {
+    cutForAll();
+    if (progress != nullptr) progress->check();
+    return;
+  }
   const auto edgeCount = static_cast<std::size_t>(mesh().edgeCount());
-  const auto enteredBy = [&](Index e, int sign) {
-    const Index h = mesh().edgeHalfedge(e), twin = mesh().twin(h);
-    if (sign == 0) return EdgePiece::kBothFaces;
-    if (sign > 0) return TriangleMesh::face(h);
-    return twin == kNone ? EdgePiece::kOutside : TriangleMesh::face(twin);
-  };
   findRests(progress);
   // Each edge has one part or two, each of these the cuts at its jumps.
   std::vector<std::array<Cuts, 2>> cuts(edgeCount);
@@ -79,14 +79,48 @@ TransitMap::TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<c
     }
     offsets_.push_back(pieces_.size());
   }
-  order_.resize(pieces_.size());
-  std::iota(order_.begin(), order_.end(), 0);
+  for (Index i = 0; i < pieceCount(); ++i) places_.push_back(placeOf(i));
   touches_.assign(edgeCount, FaceTransit::kRest);
   for (std::size_t i = 0; i < edgeCount; ++i) {
     const auto [sign, turn, within] = transit_->edgeFlow(static_cast<Index>(i));
     if (turn == 1.0) continue;
     touches_[i] = (sign > 0) == within ? cuts[i][0].back().imageTo : cuts[i][1].front().imageFrom;
   }
+}
+
+/// What flow enters over an edge that it crosses along its canonical halfedge into the face (1), out of it, or both
+/// ways.
+Index TransitMap::enteredBy(Index e, int sign) const {
+  const Index h = mesh().edgeHalfedge(e), twin = mesh().twin(h);
+  if (sign == 0) return EdgePiece::kBothFaces;
+  if (sign > 0) return TriangleMesh::face(h);
+  return twin == kNone ? EdgePiece::kOutside : TriangleMesh::face(twin);
+}
+
+/// Edges are cut where the fields within the bound begin to cross them both ways. What is narrow counts as halved.
+void TransitMap::cutForAll() {
+  for (Index e = 0; e < mesh().edgeCount(); ++e) {
+    std::vector<double> ends = cones_->turns(e);
+    ends.push_back(1.0);
+    double from = 0.0;
+    for (const double to : ends) {
+      pieces_.push_back({e, enteredBy(e, cones_->crossing(e, from, to)), -std::ilogb(to - from), from, to});
+      from = to;
+    }
+    offsets_.push_back(pieces_.size());
+  }
+  for (Index i = 0; i < pieceCount(); ++i) places_.push_back(placeOf(i));
+}
+
+TransitMap TransitMap::within(std::shared_ptr<const ConeTransit> cones) const {
+  TransitMap result = *this;
+  result.cones_ = std::move(cones);
+  tbb::parallel_for(std::size_t{0}, pieces_.size(), [&](std::size_t i) {
+    EdgePiece& piece = result.pieces_[i];
+    piece.enters = enteredBy(piece.edge, result.cones_->crossing(piece.edge, piece.from, piece.to));
+  });
+  for (Place& place : result.places_) place = result.placeOf(place.piece);
+  return result;
 }
 
 void TransitMap::findRests(Progress* progress) {
@@ -207,7 +241,7 @@ void TransitMap::cutAtJumps(const EdgePiece& piece, const Rest& rest, Cuts& cuts
 std::vector<std::size_t> TransitMap::halve(const std::vector<Index>& nodes, Progress* progress) {
   const std::size_t count = nodes.size();
   std::vector<double> images(count, FaceTransit::kRest);
-  eachOf(count, progress, [&](std::size_t i) {
+  eachOf(cones_ ? 0 : count, progress, [&](std::size_t i) {
     const EdgePiece& piece = this->piece(nodes[i]);
     if (piece.enters < 0 || transit_->isCoarse(piece.enters)) return;
     images[i] = transit_->leaves(piece.enters, positionIn(piece.enters, piece.edge, 0.5 * (piece.from + piece.to)));
@@ -223,20 +257,25 @@ std::vector<std::size_t> TransitMap::halve(const std::vector<Index>& nodes, Prog
     EdgePiece second = first;
     first.to = second.from = middle;
     first.imageTo = second.imageFrom = images[i];
+    if (cones_) {
+      first.enters = enteredBy(first.edge, cones_->crossing(first.edge, first.from, first.to));
+      second.enters = enteredBy(second.edge, cones_->crossing(second.edge, second.from, second.to));
+    }
     secondOf[at] = pieceCount();
     firsts.push_back(i);
     pieces_.push_back(second);
   }
-  std::vector<Index> before = std::move(order_);
-  order_.clear();
-  order_.reserve(pieces_.size());
+  const std::vector<Place> before = std::move(places_);
+  places_.clear();
+  places_.reserve(pieces_.size());
   std::size_t begin = 0;
   for (std::size_t e = 1; e < offsets_.size(); ++e) {
     for (; begin < offsets_[e]; ++begin) {
-      order_.push_back(before[begin]);
-      if (secondOf[before[begin]] != kNone) order_.push_back(secondOf[before[begin]]);
+      const Index first = before[begin].piece, second = secondOf[first];
+      places_.push_back(second == kNone ? before[begin] : placeOf(first));
+      if (second != kNone) places_.push_back(placeOf(second));
     }
-    offsets_[e] = order_.size();
+    offsets_[e] = places_.size();
   }
   return firsts;
 }
@@ -257,11 +296,12 @@ void TransitMap::eachExit(Index f, const BoundaryArc& arc, const Visit& visit) c
         from = 1.0 - from;
         to = 1.0 - to;
       }
-      const auto end = order_.begin() + static_cast<std::ptrdiff_t>(offsets_[e + 1]);
-      auto at = std::lower_bound(order_.begin() + static_cast<std::ptrdiff_t>(offsets_[e]), end, from,
-                                 [&](Index piece, double fraction) { return pieces_[piece].to < fraction; });
-      for (; at != end && pieces_[*at].from <= to; ++at) {
-        if (pieces_[*at].enters != f) visit(nodeOf(*at), pieces_[*at]);
+      const Place* const first = places_.data() + offsets_[e];
+      const Place* const end = places_.data() + offsets_[e + 1];
+      const Place* at =
+          std::lower_bound(first, end, from, [](const Place& p, double fraction) { return p.to < fraction; });
+      for (; at != end && (at == first || at[-1].to <= to); ++at) {
+        if (at->enters != f) visit(nodeOf(at->piece), pieces_[at->piece]);
       }
     }
   }
@@ -280,9 +320,8 @@ void TransitMap::addExits(Index f, const EdgePiece& piece, std::vector<Index>& t
     std::swap(imageOfBegin, imageOfEnd);
   }
   std::array<BoundaryArc, 2> images;
-  if (transit_->sameArc(f, imageOfBegin, imageOfEnd)) {
+  if (const auto [exits, both] = transit_->arcOfBoth(f, imageOfBegin, imageOfEnd); both) {
     // By place within the arc, as round-off may change the order of two images.
-    const BoundaryArc exits = transit_->arcOf(f, imageOfBegin);
     const auto within = [&](double position) {
       const double away = turned(exits.begin, position);
       return away > 0.5 * (3.0 + exits.length) ? away - 3.0 : away;
@@ -339,9 +378,59 @@ void TransitMap::enter(Index f, const EdgePiece& piece, std::vector<Index>& targ
   if (!stays) addExits(f, piece, targets);
 }
 
+/// What enters a face through a piece of its boundary may come to, in some field within the bound. Where none rests, a
+/// piece leads to itself only by way of others.
+void TransitMap::enterForAll(Index f, Index node, std::vector<Index>& targets) const {
+  if (cones_->rests(f)) {
+    targets.push_back(f);  // and from there on to all exits
+    return;
+  }
+  const EdgePiece& piece = this->piece(node);
+  const double a = positionIn(f, piece.edge, piece.from), b = positionIn(f, piece.edge, piece.to);
+  const double begin = std::min(a, b), end = std::max(a, b);
+  const int side = std::min(2, static_cast<int>(0.5 * (begin + end)));
+  for (const BoundaryArc& arc : cones_->leaving(f, side, begin - side, end - side)) {
+    eachExit(f, arc, [&](Index exit, const EdgePiece& over) {
+      if (exit != node) targets.push_back(reached(exit, over));
+    });
+  }
+}
+
+/// What leaves over the surface's boundary does not come back over it, also where other flow enters.
+Index TransitMap::reached(Index node, const EdgePiece& piece) const {
+  return mesh().twin(mesh().edgeHalfedge(piece.edge)) == kNone ? outside() : node;
+}
+
+void TransitMap::rowForAll(Index node, std::vector<Index>& targets) const {
+  if (node < mesh().faceCount()) {
+    if (!cones_->rests(node)) return;
+    targets.push_back(node);
+    eachExit(node, kAround, [&](Index exit, const EdgePiece& over) { targets.push_back(reached(exit, over)); });
+  } else if (node < outside()) {
+    const EdgePiece& piece = this->piece(node);
+    const Index h = mesh().edgeHalfedge(piece.edge), twin = mesh().twin(h);
+    if (piece.enters == EdgePiece::kOutside) {
+      targets.push_back(outside());
+    } else if (piece.enters != EdgePiece::kBothFaces) {
+      enterForAll(piece.enters, node, targets);
+    } else {
+      enterForAll(TriangleMesh::face(h), node, targets);
+      if (twin != kNone) enterForAll(TriangleMesh::face(twin), node, targets);
+    }
+  }
+}
+
+bool TransitMap::isSettled(Index node) const {
+  if (!cones_ || !isPiece(node)) return false;
+  const Index h = mesh().edgeHalfedge(piece(node).edge), twin = mesh().twin(h);
+  return cones_->rests(TriangleMesh::face(h)) && (twin == kNone || cones_->rests(TriangleMesh::face(twin)));
+}
+
 void TransitMap::row(Index node, std::vector<Index>& targets) const {
   targets.clear();
-  if (node < mesh().faceCount()) {
+  if (cones_) {
+    rowForAll(node, targets);
+  } else if (node < mesh().faceCount()) {
     if (!transit_->rests(node)) return;
     targets.push_back(node);
     const Index slot = restSlot_[node];
@@ -369,25 +458,51 @@ void TransitMap::row(Index node, std::vector<Index>& targets) const {
 }
 
 CombinatorialMap TransitMap::map(Progress* progress) const {
-  const auto count = static_cast<std::size_t>(outside());
-  std::vector<std::vector<Index>> blocks((count + kGrain - 1) / kGrain);
-  CombinatorialMap result;
-  auto& [offsets, targets] = result.graph;
-  offsets.assign(count + 2, 0);
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
-    if (progress != nullptr && progress->cancelled()) return;
+  std::vector<Index> nodes, place(static_cast<std::size_t>(outside()) + 1);
+  nodes.reserve(place.size());
+  eachNode([&](Index node) { nodes.push_back(node); });
+  nodes.push_back(outside());
+  std::iota(place.begin(), place.end(), 0);
+  return {graphAmong(nodes, place, progress)};
+}
+
+DirectedGraph TransitMap::graphAmong(const std::vector<Index>& nodes, const std::vector<Index>& place,
+                                     Progress* progress) const {
+  std::vector<std::vector<Index>> blocks((nodes.size() + kGrain - 1) / kGrain);
+  const auto eachBlock = [&](const auto& body) {
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+      if (progress != nullptr && progress->cancelled()) return;
+      body(blocks[b], b * kGrain, std::min(nodes.size(), (b + 1) * kGrain));
+    });
+    if (progress != nullptr) progress->check();
+  };
+  DirectedGraph graph;
+  graph.offsets.assign(nodes.size() + 1, 0);
+  eachBlock([&](std::vector<Index>& targets, std::size_t begin, std::size_t end) {
     std::vector<Index> row;
-    for (std::size_t i = block * kGrain; i < std::min(count, (block + 1) * kGrain); ++i) {
-      this->row(static_cast<Index>(i), row);
-      offsets[i + 1] = row.size();
-      blocks[block].insert(blocks[block].end(), row.begin(), row.end());
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t before = targets.size();
+      this->row(nodes[i], row);
+      for (const Index target : row) {
+        if (place[target] != kNone) targets.push_back(place[target]);
+      }
+      std::sort(targets.begin() + static_cast<std::ptrdiff_t>(before), targets.end());
+      graph.offsets[static_cast<std::size_t>(place[nodes[i]]) + 1] = targets.size() - before;
     }
   });
-  if (progress != nullptr) progress->check();
-  for (std::size_t i = 0; i <= count; ++i) offsets[i + 1] += offsets[i];
-  targets.reserve(offsets.back());
-  for (const auto& block : blocks) targets.insert(targets.end(), block.begin(), block.end());
-  return result;
+  std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
+  graph.targets.resize(graph.offsets.back());
+  eachBlock([&](std::vector<Index>& targets, std::size_t begin, std::size_t end) {
+    auto from = targets.begin();
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index at = place[nodes[i]];
+      const auto length = static_cast<std::ptrdiff_t>(graph.offsets[at + 1] - graph.offsets[at]);
+      std::copy(from, from + length, graph.targets.begin() + static_cast<std::ptrdiff_t>(graph.offsets[at]));
+      from += length;
+    }
+    targets = {};
+  });
+  return graph;
 }
 
 void TransitMap::appendFaces(Index node, std::vector<Index>& faces) const {

@@ -11,9 +11,15 @@
 // Faces with a fixed point on an edge or at a vertex are known by the directions across their edges only: whatever
 // enters leads to rest and to all exits.
 //
+// With an error bound epsilon > 0 the map holds for every field within it (cone_transit.h), and what is said above
+// about the field is said about all of these: pieces that some cross one way and some the other enter both faces, a
+// piece leads to whatever lies over its arcs of leaving, and faces that some field rests in are known by their exits
+// only. Rows grow with epsilon as long as the pieces stay what they are.
+//
 //   TransitMap map(faces, field);
 //   map.halve(pieces);
 //   const CombinatorialMap whole = map.map();       // faces' nodes of rest, pieces, outside
+//   const TransitMap bounded = map.within(cones);   // the same pieces, for all fields within cones->epsilon()
 #pragma once
 
 #include <memory>
@@ -22,6 +28,7 @@
 
 #include "base/progress.h"
 #include "combinatorial/combinatorial_map.h"
+#include "morse/cone_transit.h"
 #include "morse/face_transit.h"
 
 namespace stormfield {
@@ -40,9 +47,12 @@ struct EdgePiece {
 
 class TransitMap {
  public:
-  /// faces: of the field's mesh. Throws Cancelled.
+  /// faces: of the field's mesh. cones: of the same field; null for the map of the field itself. Throws Cancelled.
   TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
-             Progress* progress = nullptr);
+             Progress* progress = nullptr, std::shared_ptr<const ConeTransit> cones = nullptr);
+
+  /// The map of the same pieces for all fields within an error bound.
+  TransitMap within(std::shared_ptr<const ConeTransit> cones) const;
 
   const FaceTransit& transit() const { return *transit_; }
   const TriangleMesh& mesh() const { return transit_->mesh(); }
@@ -60,8 +70,22 @@ class TransitMap {
   /// The nodes that a node leads to, ascending.
   void row(Index node, std::vector<Index>& targets) const;
   CombinatorialMap map(Progress* progress = nullptr) const;
+  /// Visits all nodes but outside: those of rest, then the pieces edge by edge, along each. What lies together comes
+  /// together, while the numbers of halves are far apart: work in this order finds in the cache what it needs.
+  template <typename Visit>
+  void eachNode(const Visit& visit) const {
+    for (Index f = 0; f < mesh().faceCount(); ++f) visit(f);
+    for (const Place& place : places_) visit(nodeOf(place.piece));
+  }
+  /// The edges among some nodes, by their places: one for each node of the map, kNone for those that are not among
+  /// them.
+  DirectedGraph graphAmong(const std::vector<Index>& nodes, const std::vector<Index>& place, Progress* progress) const;
   /// Appends the faces that a node lies in, or that flow enters through it.
   void appendFaces(Index node, std::vector<Index>& faces) const;
+  /// Per face whether some field within the bound can rest in it.
+  const std::vector<char>& resting() const { return cones_ ? cones_->resting() : transit_->resting(); }
+  /// Whether halving a piece changes nothing: it lies between faces that are known by their exits only.
+  bool isSettled(Index node) const;
   std::size_t bytes() const { return sizeof(EdgePiece) * pieces_.capacity(); }
 
  private:
@@ -75,7 +99,13 @@ class TransitMap {
     double to, imageFrom, imageTo;
   };
   using Cuts = std::vector<Cut>;
+  /// What a search along an edge asks of a piece, beside those of its neighbours: the pieces themselves are far apart.
+  struct Place {
+    double to;
+    Index piece, enters;
+  };
 
+  Place placeOf(Index piece) const { return {pieces_[piece].to, piece, pieces_[piece].enters}; }
   double positionIn(Index f, Index edge, double fraction) const;
   void cut(const EdgePiece& piece, Cuts& cuts) const;
   void cutAtJumps(const EdgePiece& piece, const Rest& rest, Cuts& cuts) const;
@@ -90,10 +120,17 @@ class TransitMap {
 
   static Rest restOf(const FaceTransit& transit, Index f);
 
+  Index enteredBy(Index e, int sign) const;
+  void cutForAll();
+  void rowForAll(Index node, std::vector<Index>& targets) const;
+  void enterForAll(Index f, Index node, std::vector<Index>& targets) const;
+  Index reached(Index node, const EdgePiece& piece) const;
+
   std::shared_ptr<const FaceTransit> transit_;
+  std::shared_ptr<const ConeTransit> cones_;  ///< null without an error bound
   std::vector<EdgePiece> pieces_;
-  std::vector<Index> order_;             ///< pieces edge by edge, along each
-  std::vector<std::size_t> offsets_{0};  ///< of the edges, in order_
+  std::vector<Place> places_;            ///< pieces edge by edge, along each
+  std::vector<std::size_t> offsets_{0};  ///< of the edges, in places_
   std::vector<double> touches_;  ///< of each edge: what the trajectory through its turn, which touches it, goes on to
   std::vector<Index> restSlot_;  ///< of each face, in rests_, or kNone
   std::vector<Rest> rests_;

@@ -21,32 +21,6 @@ constexpr int kSmallSet = 500, kLevelsOfSmall = 6, kLevelsByHand = 4;
 /// Memory per node, of the map and the graph.
 constexpr std::size_t kBytesPerNode = 200;
 
-/// The edges among some nodes (ascending), by their places in the list; place: of all nodes, kNone for the others.
-DirectedGraph graphAmong(const TransitMap& map, const std::vector<Index>& nodes, const std::vector<Index>& place,
-                         Progress* progress) {
-  constexpr std::size_t kGrain = 256;
-  std::vector<std::vector<Index>> blocks((nodes.size() + kGrain - 1) / kGrain);
-  DirectedGraph graph;
-  graph.offsets.assign(nodes.size() + 1, 0);
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
-    if (progress != nullptr && progress->cancelled()) return;
-    std::vector<Index> row;
-    for (std::size_t i = block * kGrain; i < std::min(nodes.size(), (block + 1) * kGrain); ++i) {
-      map.row(nodes[i], row);
-      for (const Index target : row) {
-        if (place[target] == kNone) continue;
-        blocks[block].push_back(place[target]);
-        ++graph.offsets[i + 1];
-      }
-    }
-  });
-  if (progress != nullptr) progress->check();
-  std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
-  graph.targets.reserve(graph.offsets.back());
-  for (const auto& block : blocks) graph.targets.insert(graph.targets.end(), block.begin(), block.end());
-  return graph;
-}
-
 /// The members of the recurrent components, ascending; components by their first members.
 std::vector<std::vector<Index>> recurrentMembers(const Components& components, const std::vector<Index>& nodes) {
   std::vector<Index> number(components.count(), kNone);
@@ -60,6 +34,8 @@ std::vector<std::vector<Index>> recurrentMembers(const Components& components, c
     }
     result[number[component]].push_back(nodes[i]);
   }
+  for (std::vector<Index>& members : result) std::sort(members.begin(), members.end());
+  std::sort(result.begin(), result.end(), [](const auto& a, const auto& b) { return a.front() < b.front(); });
   return result;
 }
 
@@ -118,23 +94,35 @@ std::vector<char> canRecur(const TransitMap& map, const std::vector<std::vector<
       now.push_back(s);
     }
     const FaceSets sets(std::move(setOf), static_cast<Index>(now.size()));
-    const std::vector<char> recurs = canRecur(map.mesh(), sets, map.transit().resting());
+    const std::vector<char> recurs = canRecur(map.mesh(), sets, map.resting());
     for (std::size_t i = 0; i < now.size(); ++i) result[now[i]] = recurs[i];
     left = std::move(later);
   }
   return result;
 }
 
+bool isAtBoundary(const TriangleMesh& mesh, Index f) {
+  return mesh.twin(3 * f) == kNone || mesh.twin(3 * f + 1) == kNone || mesh.twin(3 * f + 2) == kNone;
+}
+
+std::shared_ptr<const ConeTransit> conesOf(const std::shared_ptr<const FlatFaces>& faces,
+                                           const std::shared_ptr<const VectorField>& field,
+                                           const TransitOptions& options) {
+  if (options.epsilon == 0.0) return nullptr;
+  return std::make_shared<const ConeTransit>(faces, field, options.epsilon, options.weights);
+}
+
 }  // namespace
 
-TransitRefinement::TransitRefinement(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
-                                     const TransitOptions& options, Progress* progress)
-    : field_(field), options_(options), map_(std::move(faces), std::move(field), progress) {
+TransitRefinement::TransitRefinement(const std::shared_ptr<const FlatFaces>& faces,
+                                     const std::shared_ptr<const VectorField>& field, const TransitOptions& options,
+                                     Progress* progress)
+    : field_(field), options_(options), map_(faces, field, progress, conesOf(faces, field, options)) {
   std::vector<Index> nodes(map_.outside());
   std::iota(nodes.begin(), nodes.end(), 0);
   std::vector<Index> place = nodes;
   place.push_back(kNone);
-  nodes_ = recurrentMembers(stronglyConnectedComponents(graphAmong(map_, nodes, place, progress)), nodes);
+  nodes_ = recurrentMembers(stronglyConnectedComponents(map_.graphAmong(nodes, place, progress)), nodes);
   trials_.resize(nodes_.size());
 }
 
@@ -144,8 +132,11 @@ int TransitRefinement::levelsOf(Index set) const {
 
 bool TransitRefinement::isOpen(Index set, int levels) const {
   if (trials_[set].done) return false;
-  return std::any_of(nodes_[set].begin(), nodes_[set].end(),
-                     [&](Index node) { return map_.isPiece(node) && map_.piece(node).level < levels; });
+  return std::any_of(nodes_[set].begin(), nodes_[set].end(), [&](Index node) { return isOpenPiece(node, levels); });
+}
+
+bool TransitRefinement::isOpenPiece(Index node, int levels) const {
+  return map_.isPiece(node) && map_.piece(node).level < levels && !map_.isSettled(node);
 }
 
 bool TransitRefinement::fits() const {
@@ -210,7 +201,7 @@ bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, P
     if (trials_[s].halved) continue;
     const int levels = levelsOf(s) + more;
     for (const Index node : nodes_[s]) {
-      if (!map_.isPiece(node) || map_.piece(node).level >= levels) continue;
+      if (!isOpenPiece(node, levels)) continue;
       pieces.push_back(node);
       owner.push_back(s);
     }
@@ -228,13 +219,13 @@ bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, P
   for (const Index s : chosen) {
     for (const Index node : nodes_[s]) setOf[node] = s;
   }
-  for (Index node = 0; node < map_.outside(); ++node) {
-    if (setOf[node] == kNone) continue;
+  map_.eachNode([&](Index node) {
+    if (setOf[node] == kNone) return;
     place[node] = static_cast<Index>(members.size());
     members.push_back(node);
-  }
+  });
   std::vector<std::vector<Index>> parts =
-      recurrentMembers(stronglyConnectedComponents(graphAmong(map_, members, place, progress)), members);
+      recurrentMembers(stronglyConnectedComponents(map_.graphAmong(members, place, progress)), members);
 
   bool changed = false;
   std::vector<std::vector<Index>> kept;
@@ -262,17 +253,18 @@ bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, P
 /// Halves the pieces on ways from one set that flow passes through to another; false when nothing is left. Sources and
 /// sinks do not matter here: their ways fill the surface.
 bool TransitRefinement::refineWays(Progress* progress) {
-  std::vector<Index> nodes = ways_, setOf(map_.outside(), kNone);
-  if (ways_.empty()) {
-    nodes.resize(map_.outside());
-    std::iota(nodes.begin(), nodes.end(), 0);
-  }
+  std::vector<Index> nodes, setOf(map_.outside(), kNone);
+  std::vector<char> isOnWay(map_.outside(), ways_.empty() ? 1 : 0);
+  for (const Index node : ways_) isOnWay[node] = 1;
+  map_.eachNode([&](Index node) {
+    if (isOnWay[node] != 0) nodes.push_back(node);
+  });
   for (std::size_t s = 0; s < nodes_.size(); ++s) {
     for (const Index node : nodes_[s]) setOf[node] = static_cast<Index>(s);
   }
   std::vector<Index> place(static_cast<std::size_t>(map_.outside()) + 1, kNone);
   for (std::size_t i = 0; i < nodes.size(); ++i) place[nodes[i]] = static_cast<Index>(i);
-  const DirectedGraph graph = graphAmong(map_, nodes, place, progress);
+  const DirectedGraph graph = map_.graphAmong(nodes, place, progress);
 
   std::vector<char> leads(nodes_.size(), ways_.empty() ? 0 : 1), isLedTo = leads;
   for (Index i = 0; i < graph.nodeCount(); ++i) {
@@ -295,13 +287,16 @@ bool TransitRefinement::refineWays(Progress* progress) {
   const std::vector<char> after = reachable(graph, passed), before = reachable(reversed(graph), passed);
 
   std::vector<Index> between, pieces;
+  const std::size_t all = nodes.size();
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Index node = nodes[i];
     if (after[i] == 0 || before[i] == 0) continue;
     between.push_back(node);
-    const bool open = map_.isPiece(node) && map_.piece(node).level < options_.levels;
-    if (setOf[node] == kNone && open) pieces.push_back(node);
+    if (setOf[node] == kNone && isOpenPiece(node, options_.levels)) pieces.push_back(node);
   }
+  // An error bound widens the ways, which smaller pieces then do not narrow.
+  const bool narrows = ways_.empty() || static_cast<double>(between.size()) < kHardlyAny * static_cast<double>(all);
+  if (options_.epsilon > 0.0 && !narrows) return false;
   const Index halves = map_.outside();
   map_.halve(pieces, progress);
   for (Index node = halves; node < map_.outside(); ++node) between.push_back(node);
@@ -343,7 +338,11 @@ TransitDecomposition TransitRefinement::decomposition(bool keepEmpty, bool keepT
   for (std::size_t s = 0; s < members.size(); ++s) {
     const Index component = components.of[members[s].front()];
     MorseSet& set = found[s];
-    for (const Index node : members[s]) set.poincare += map_.isPiece(node) ? 0 : map_.transit().poincare()[node];
+    for (const Index node : members[s]) {
+      if (map_.isPiece(node)) continue;
+      set.poincare += map_.transit().poincare()[node];
+      set.upperBound = set.upperBound || (options_.epsilon > 0.0 && isAtBoundary(map_.mesh(), node));
+    }
     const int b0 = leads[component] == 0 ? 1 : 0, b2 = isLedTo[component] == 0 ? 1 : 0;
     set.index = agreeing({b0, std::max(0, b0 + b2 - set.poincare), b2}, set.poincare);
     set.kind = kindOf(set.index);
