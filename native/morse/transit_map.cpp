@@ -39,16 +39,16 @@ bool meet(double begin, double length, const BoundaryArc& arc) {
 }  // namespace
 
 TransitMap::TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
-                       Progress* progress)
+                       Progress* progress, std::shared_ptr<const ConeTransit> cones)
     : transit_(std::make_shared<const FaceTransit>(std::move(faces), std::move(field))),
+      cones_(std::move(cones)),
       restSlot_(mesh().faceCount(), kNone) {
+  if (cones_) {
+    cutForAll();
+    if (progress != nullptr) progress->check();
+    return;
+  }
   const auto edgeCount = static_cast<std::size_t>(mesh().edgeCount());
-  const auto enteredBy = [&](Index e, int sign) {
-    const Index h = mesh().edgeHalfedge(e), twin = mesh().twin(h);
-    if (sign == 0) return EdgePiece::kBothFaces;
-    if (sign > 0) return TriangleMesh::face(h);
-    return twin == kNone ? EdgePiece::kOutside : TriangleMesh::face(twin);
-  };
   findRests(progress);
   // Each edge has one part or two, each of these the cuts at its jumps.
   std::vector<std::array<Cuts, 2>> cuts(edgeCount);
@@ -86,6 +86,41 @@ TransitMap::TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<c
     if (turn == 1.0) continue;
     touches_[i] = (sign > 0) == within ? cuts[i][0].back().imageTo : cuts[i][1].front().imageFrom;
   }
+}
+
+/// What flow enters over an edge that it crosses along its canonical halfedge into the face (1), out of it, or both
+/// ways.
+Index TransitMap::enteredBy(Index e, int sign) const {
+  const Index h = mesh().edgeHalfedge(e), twin = mesh().twin(h);
+  if (sign == 0) return EdgePiece::kBothFaces;
+  if (sign > 0) return TriangleMesh::face(h);
+  return twin == kNone ? EdgePiece::kOutside : TriangleMesh::face(twin);
+}
+
+/// Edges are cut where the fields within the bound begin to cross them both ways. What is narrow counts as halved.
+void TransitMap::cutForAll() {
+  for (Index e = 0; e < mesh().edgeCount(); ++e) {
+    std::vector<double> ends = cones_->turns(e);
+    ends.push_back(1.0);
+    double from = 0.0;
+    for (const double to : ends) {
+      pieces_.push_back({e, enteredBy(e, cones_->crossing(e, from, to)), -std::ilogb(to - from), from, to});
+      from = to;
+    }
+    offsets_.push_back(pieces_.size());
+  }
+  for (Index i = 0; i < pieceCount(); ++i) places_.push_back(placeOf(i));
+}
+
+TransitMap TransitMap::within(std::shared_ptr<const ConeTransit> cones) const {
+  TransitMap result = *this;
+  result.cones_ = std::move(cones);
+  tbb::parallel_for(std::size_t{0}, pieces_.size(), [&](std::size_t i) {
+    EdgePiece& piece = result.pieces_[i];
+    piece.enters = enteredBy(piece.edge, result.cones_->crossing(piece.edge, piece.from, piece.to));
+  });
+  for (Place& place : result.places_) place = result.placeOf(place.piece);
+  return result;
 }
 
 void TransitMap::findRests(Progress* progress) {
@@ -206,7 +241,7 @@ void TransitMap::cutAtJumps(const EdgePiece& piece, const Rest& rest, Cuts& cuts
 std::vector<std::size_t> TransitMap::halve(const std::vector<Index>& nodes, Progress* progress) {
   const std::size_t count = nodes.size();
   std::vector<double> images(count, FaceTransit::kRest);
-  eachOf(count, progress, [&](std::size_t i) {
+  eachOf(cones_ ? 0 : count, progress, [&](std::size_t i) {
     const EdgePiece& piece = this->piece(nodes[i]);
     if (piece.enters < 0 || transit_->isCoarse(piece.enters)) return;
     images[i] = transit_->leaves(piece.enters, positionIn(piece.enters, piece.edge, 0.5 * (piece.from + piece.to)));
@@ -222,6 +257,10 @@ std::vector<std::size_t> TransitMap::halve(const std::vector<Index>& nodes, Prog
     EdgePiece second = first;
     first.to = second.from = middle;
     first.imageTo = second.imageFrom = images[i];
+    if (cones_) {
+      first.enters = enteredBy(first.edge, cones_->crossing(first.edge, first.from, first.to));
+      second.enters = enteredBy(second.edge, cones_->crossing(second.edge, second.from, second.to));
+    }
     secondOf[at] = pieceCount();
     firsts.push_back(i);
     pieces_.push_back(second);
@@ -339,9 +378,59 @@ void TransitMap::enter(Index f, const EdgePiece& piece, std::vector<Index>& targ
   if (!stays) addExits(f, piece, targets);
 }
 
+/// What enters a face through a piece of its boundary may come to, in some field within the bound. Where none rests, a
+/// piece leads to itself only by way of others.
+void TransitMap::enterForAll(Index f, Index node, std::vector<Index>& targets) const {
+  if (cones_->rests(f)) {
+    targets.push_back(f);  // and from there on to all exits
+    return;
+  }
+  const EdgePiece& piece = this->piece(node);
+  const double a = positionIn(f, piece.edge, piece.from), b = positionIn(f, piece.edge, piece.to);
+  const double begin = std::min(a, b), end = std::max(a, b);
+  const int side = std::min(2, static_cast<int>(0.5 * (begin + end)));
+  for (const BoundaryArc& arc : cones_->leaving(f, side, begin - side, end - side)) {
+    eachExit(f, arc, [&](Index exit, const EdgePiece& over) {
+      if (exit != node) targets.push_back(reached(exit, over));
+    });
+  }
+}
+
+/// What leaves over the surface's boundary does not come back over it, also where other flow enters.
+Index TransitMap::reached(Index node, const EdgePiece& piece) const {
+  return mesh().twin(mesh().edgeHalfedge(piece.edge)) == kNone ? outside() : node;
+}
+
+void TransitMap::rowForAll(Index node, std::vector<Index>& targets) const {
+  if (node < mesh().faceCount()) {
+    if (!cones_->rests(node)) return;
+    targets.push_back(node);
+    eachExit(node, kAround, [&](Index exit, const EdgePiece& over) { targets.push_back(reached(exit, over)); });
+  } else if (node < outside()) {
+    const EdgePiece& piece = this->piece(node);
+    const Index h = mesh().edgeHalfedge(piece.edge), twin = mesh().twin(h);
+    if (piece.enters == EdgePiece::kOutside) {
+      targets.push_back(outside());
+    } else if (piece.enters != EdgePiece::kBothFaces) {
+      enterForAll(piece.enters, node, targets);
+    } else {
+      enterForAll(TriangleMesh::face(h), node, targets);
+      if (twin != kNone) enterForAll(TriangleMesh::face(twin), node, targets);
+    }
+  }
+}
+
+bool TransitMap::isSettled(Index node) const {
+  if (!cones_ || !isPiece(node)) return false;
+  const Index h = mesh().edgeHalfedge(piece(node).edge), twin = mesh().twin(h);
+  return cones_->rests(TriangleMesh::face(h)) && (twin == kNone || cones_->rests(TriangleMesh::face(twin)));
+}
+
 void TransitMap::row(Index node, std::vector<Index>& targets) const {
   targets.clear();
-  if (node < mesh().faceCount()) {
+  if (cones_) {
+    rowForAll(node, targets);
+  } else if (node < mesh().faceCount()) {
     if (!transit_->rests(node)) return;
     targets.push_back(node);
     const Index slot = restSlot_[node];

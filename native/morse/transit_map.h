@@ -11,9 +11,15 @@
 // Faces with a fixed point on an edge or at a vertex are known by the directions across their edges only: whatever
 // enters leads to rest and to all exits.
 //
+// With an error bound epsilon > 0 the map holds for every field within it (cone_transit.h), and what is said above
+// about the field is said about all of these: pieces that some cross one way and some the other enter both faces, a
+// piece leads to whatever lies over its arcs of leaving, and faces that some field rests in are known by their exits
+// only. Rows grow with epsilon as long as the pieces stay what they are.
+//
 //   TransitMap map(faces, field);
 //   map.halve(pieces);
 //   const CombinatorialMap whole = map.map();       // faces' nodes of rest, pieces, outside
+//   const TransitMap bounded = map.within(cones);   // the same pieces, for all fields within cones->epsilon()
 #pragma once
 
 #include <memory>
@@ -22,6 +28,7 @@
 
 #include "base/progress.h"
 #include "combinatorial/combinatorial_map.h"
+#include "morse/cone_transit.h"
 #include "morse/face_transit.h"
 
 namespace stormfield {
@@ -40,9 +47,12 @@ struct EdgePiece {
 
 class TransitMap {
  public:
-  /// faces: of the field's mesh. Throws Cancelled.
+  /// faces: of the field's mesh. cones: of the same field; null for the map of the field itself. Throws Cancelled.
   TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
-             Progress* progress = nullptr);
+             Progress* progress = nullptr, std::shared_ptr<const ConeTransit> cones = nullptr);
+
+  /// The map of the same pieces for all fields within an error bound.
+  TransitMap within(std::shared_ptr<const ConeTransit> cones) const;
 
   const FaceTransit& transit() const { return *transit_; }
   const TriangleMesh& mesh() const { return transit_->mesh(); }
@@ -72,6 +82,10 @@ class TransitMap {
   DirectedGraph graphAmong(const std::vector<Index>& nodes, const std::vector<Index>& place, Progress* progress) const;
   /// Appends the faces that a node lies in, or that flow enters through it.
   void appendFaces(Index node, std::vector<Index>& faces) const;
+  /// Per face whether some field within the bound can rest in it.
+  const std::vector<char>& resting() const { return cones_ ? cones_->resting() : transit_->resting(); }
+  /// Whether halving a piece changes nothing: it lies between faces that are known by their exits only.
+  bool isSettled(Index node) const;
   std::size_t bytes() const { return sizeof(EdgePiece) * pieces_.capacity(); }
 
  private:
@@ -106,7 +120,14 @@ class TransitMap {
 
   static Rest restOf(const FaceTransit& transit, Index f);
 
+  Index enteredBy(Index e, int sign) const;
+  void cutForAll();
+  void rowForAll(Index node, std::vector<Index>& targets) const;
+  void enterForAll(Index f, Index node, std::vector<Index>& targets) const;
+  Index reached(Index node, const EdgePiece& piece) const;
+
   std::shared_ptr<const FaceTransit> transit_;
+  std::shared_ptr<const ConeTransit> cones_;  ///< null without an error bound
   std::vector<EdgePiece> pieces_;
   std::vector<Place> places_;            ///< pieces edge by edge, along each
   std::vector<std::size_t> offsets_{0};  ///< of the edges, in places_

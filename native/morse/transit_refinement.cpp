@@ -94,18 +94,30 @@ std::vector<char> canRecur(const TransitMap& map, const std::vector<std::vector<
       now.push_back(s);
     }
     const FaceSets sets(std::move(setOf), static_cast<Index>(now.size()));
-    const std::vector<char> recurs = canRecur(map.mesh(), sets, map.transit().resting());
+    const std::vector<char> recurs = canRecur(map.mesh(), sets, map.resting());
     for (std::size_t i = 0; i < now.size(); ++i) result[now[i]] = recurs[i];
     left = std::move(later);
   }
   return result;
 }
 
+bool isAtBoundary(const TriangleMesh& mesh, Index f) {
+  return mesh.twin(3 * f) == kNone || mesh.twin(3 * f + 1) == kNone || mesh.twin(3 * f + 2) == kNone;
+}
+
+std::shared_ptr<const ConeTransit> conesOf(const std::shared_ptr<const FlatFaces>& faces,
+                                           const std::shared_ptr<const VectorField>& field,
+                                           const TransitOptions& options) {
+  if (options.epsilon == 0.0) return nullptr;
+  return std::make_shared<const ConeTransit>(faces, field, options.epsilon, options.weights);
+}
+
 }  // namespace
 
-TransitRefinement::TransitRefinement(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
-                                     const TransitOptions& options, Progress* progress)
-    : field_(field), options_(options), map_(std::move(faces), std::move(field), progress) {
+TransitRefinement::TransitRefinement(const std::shared_ptr<const FlatFaces>& faces,
+                                     const std::shared_ptr<const VectorField>& field, const TransitOptions& options,
+                                     Progress* progress)
+    : field_(field), options_(options), map_(faces, field, progress, conesOf(faces, field, options)) {
   std::vector<Index> nodes(map_.outside());
   std::iota(nodes.begin(), nodes.end(), 0);
   std::vector<Index> place = nodes;
@@ -120,8 +132,11 @@ int TransitRefinement::levelsOf(Index set) const {
 
 bool TransitRefinement::isOpen(Index set, int levels) const {
   if (trials_[set].done) return false;
-  return std::any_of(nodes_[set].begin(), nodes_[set].end(),
-                     [&](Index node) { return map_.isPiece(node) && map_.piece(node).level < levels; });
+  return std::any_of(nodes_[set].begin(), nodes_[set].end(), [&](Index node) { return isOpenPiece(node, levels); });
+}
+
+bool TransitRefinement::isOpenPiece(Index node, int levels) const {
+  return map_.isPiece(node) && map_.piece(node).level < levels && !map_.isSettled(node);
 }
 
 bool TransitRefinement::fits() const {
@@ -186,7 +201,7 @@ bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, P
     if (trials_[s].halved) continue;
     const int levels = levelsOf(s) + more;
     for (const Index node : nodes_[s]) {
-      if (!map_.isPiece(node) || map_.piece(node).level >= levels) continue;
+      if (!isOpenPiece(node, levels)) continue;
       pieces.push_back(node);
       owner.push_back(s);
     }
@@ -272,13 +287,16 @@ bool TransitRefinement::refineWays(Progress* progress) {
   const std::vector<char> after = reachable(graph, passed), before = reachable(reversed(graph), passed);
 
   std::vector<Index> between, pieces;
+  const std::size_t all = nodes.size();
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Index node = nodes[i];
     if (after[i] == 0 || before[i] == 0) continue;
     between.push_back(node);
-    const bool open = map_.isPiece(node) && map_.piece(node).level < options_.levels;
-    if (setOf[node] == kNone && open) pieces.push_back(node);
+    if (setOf[node] == kNone && isOpenPiece(node, options_.levels)) pieces.push_back(node);
   }
+  // An error bound widens the ways, which smaller pieces then do not narrow.
+  const bool narrows = ways_.empty() || static_cast<double>(between.size()) < kHardlyAny * static_cast<double>(all);
+  if (options_.epsilon > 0.0 && !narrows) return false;
   const Index halves = map_.outside();
   map_.halve(pieces, progress);
   for (Index node = halves; node < map_.outside(); ++node) between.push_back(node);
@@ -320,7 +338,11 @@ TransitDecomposition TransitRefinement::decomposition(bool keepEmpty, bool keepT
   for (std::size_t s = 0; s < members.size(); ++s) {
     const Index component = components.of[members[s].front()];
     MorseSet& set = found[s];
-    for (const Index node : members[s]) set.poincare += map_.isPiece(node) ? 0 : map_.transit().poincare()[node];
+    for (const Index node : members[s]) {
+      if (map_.isPiece(node)) continue;
+      set.poincare += map_.transit().poincare()[node];
+      set.upperBound = set.upperBound || (options_.epsilon > 0.0 && isAtBoundary(map_.mesh(), node));
+    }
     const int b0 = leads[component] == 0 ? 1 : 0, b2 = isLedTo[component] == 0 ? 1 : 0;
     set.index = agreeing({b0, std::max(0, b0 + b2 - set.poincare), b2}, set.poincare);
     set.kind = kindOf(set.index);

@@ -22,6 +22,12 @@
 // just when no edge of the map leads out of the set (what is in N stays), b2 = 1 just when none leads into it (the same
 // for the reversed flow), and b1 = b0 + b2 - the sum of the Poincare indices inside.
 //
+// With an error bound the sets hold for every field W within it. The nodes that a set leads to, with and without its
+// own, make an index pair for all W at once: what a trajectory of any W enters of their strips it does not leave again.
+// So the index, found as above from the map of all W and the fixed points of V, is that of what every W has in the set,
+// and exact; but a fixed point may leave over the boundary of the surface, so that nothing is certain of the index of
+// a set with a face there that some W rests in (upperBound).
+//
 //   TransitRefinement refinement(faces, field);
 //   refinement.refine(&progress);
 //   const TransitDecomposition result = refinement.decomposition(true, progress);
@@ -44,6 +50,9 @@ struct TransitOptions {
   double maximalSeconds = std::numeric_limits<double>::infinity();  ///< of wall time
   /// Bytes that pieces and graph may take, about; none: half of the memory of the machine.
   std::optional<std::size_t> memoryLimit{};
+  /// With epsilon > 0 for all fields within it, mesh units per second, times the weights: one per vertex, empty for 1.
+  double epsilon = 0.0;
+  std::vector<double> weights{};
 };
 
 struct TransitDecomposition {
@@ -57,8 +66,9 @@ struct TransitDecomposition {
 /// A decomposition that can be refined; copies are independent.
 class TransitRefinement {
  public:
-  /// faces: of the field's mesh. Throws InputError for a field of another mesh, and Cancelled.
-  TransitRefinement(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field,
+  /// faces: of the field's mesh. Throws InputError for a field of another mesh, or an epsilon or weights that are not
+  /// numbers >= 0, and Cancelled.
+  TransitRefinement(const std::shared_ptr<const FlatFaces>& faces, const std::shared_ptr<const VectorField>& field,
                     const TransitOptions& options = {}, Progress* progress = nullptr);
 
   /// Refines until a limit is met or nothing is left. Being cancelled is no error: what is there is valid.
@@ -83,6 +93,7 @@ class TransitRefinement {
 
   int levelsOf(Index set) const;
   bool isOpen(Index set, int levels) const;
+  bool isOpenPiece(Index node, int levels) const;
   bool refineSets(const std::vector<Index>& chosen, int more, Progress* progress);
   bool refineWays(Progress* progress);
   bool fits() const;
