@@ -11,8 +11,6 @@ namespace {
 
 /// Halvings of an edge at most, and where both ends leave the surface: 2^-28 of an edge is what traces resolve.
 constexpr int kDeepest = 28, kDeepestOutside = 6;
-/// Samples of one edge at most; beyond, gaps are bridged.
-constexpr std::size_t kMostSamples = 5000;
 /// How far an image may leave its chords, in face sizes, and how long these may be.
 constexpr double kFlat = 0.25, kFlatOnTheWay = 0.4, kLongest = 1.5;
 /// Of what an interval may leave its chords by, this part is left for its halves; where nothing can be seen, of chords.
@@ -30,11 +28,12 @@ constexpr double kReach = 1.25;
 }  // namespace
 
 EdgeImageMaker::EdgeImageMaker(const TauFlow& flow, double tau, int steps, const SetWindows* windows,
-                               const Progress* progress)
+                               const Progress* progress, std::size_t mostSamples)
     : flow_(&flow),
       tau_(tau),
       windows_(windows),
       steps_(steps),
+      mostSamples_(mostSamples),
       forward_(flow.mover(Direction::Forward, progress)),
       backward_(flow.mover(Direction::Backward, progress)),
       near_(flow.faces()) {}
@@ -143,7 +142,7 @@ void EdgeImageMaker::open(std::size_t slot, Stop a, Stop b, int step, int level,
 /// Follows the image of an interval until it is enclosed at the end or out of sight, is halved, or has to wait.
 void EdgeImageMaker::proceed(std::size_t slot, int number) {
   Edge& edge = slots_[slot];
-  while (edge.crowded || gather(slot, number)) {
+  while (edge.crowded ? !waits(edge, number) : gather(slot, number)) {
     Interval& interval = edge.intervals[number];
     const Verdict verdict = edge.crowded ? Verdict::Done : judge(edge, interval);
     if (verdict == Verdict::Goes) {
@@ -155,6 +154,13 @@ void EdgeImageMaker::proceed(std::size_t slot, int number) {
     --edge.open;
     return;
   }
+}
+
+bool EdgeImageMaker::waits(const Edge& edge, int number) const {
+  return std::any_of(edge.intervals[number].stops.begin(), edge.intervals[number].stops.end(), [&](const Stop& stop) {
+    const auto& [one, other] = edge.samples[stop.sample].waiting;
+    return one == number || other == number;
+  });
 }
 
 /// Brings the stops to the interval's step; false where it has to wait for one.
@@ -188,7 +194,7 @@ bool EdgeImageMaker::gather(std::size_t slot, int number) {
 void EdgeImageMaker::halve(std::size_t slot, const Interval& interval) {
   Edge& edge = slots_[slot];
   const auto& [a, middle, b] = interval.stops;
-  const bool full = edge.samples.size() >= kMostSamples;
+  const bool full = edge.samples.size() >= mostSamples_;
   if (full && !alone_) {
     edge.crowded = true;
   } else if (full || interval.level == kDeepest) {

@@ -45,8 +45,12 @@ class EdgeImageMaker final : private Moves {
   /// Told the place of an edge in the list, and its image, which is valid during the call.
   using Keep = std::function<void(std::size_t, const EdgeImage&)>;
 
-  /// windows: of the set that images are followed in, or null. It must outlive the maker.
-  EdgeImageMaker(const TauFlow& flow, double tau, int steps, const SetWindows* windows, const Progress* progress);
+  static constexpr std::size_t kMostSamples = 5000;
+
+  /// windows: of the set that images are followed in, or null. It must outlive the maker. Of an edge that needs more
+  /// samples than mostSamples, gaps are bridged.
+  EdgeImageMaker(const TauFlow& flow, double tau, int steps, const SetWindows* windows, const Progress* progress,
+                 std::size_t mostSamples = kMostSamples);
 
   /// Keeps the image of every edge, in any order.
   void make(std::span<const EdgeToMap> edges, const Keep& keep);
@@ -121,6 +125,7 @@ class EdgeImageMaker final : private Moves {
   void addPlace(Edge& edge, int sample, const Arrival& at, int steps);
   void open(std::size_t slot, Stop a, Stop b, int step, int level, double away);
   void proceed(std::size_t slot, int number);
+  bool waits(const Edge& edge, int number) const;
   bool gather(std::size_t slot, int number);
   void halve(std::size_t slot, const Interval& interval);
 
@@ -141,6 +146,7 @@ class EdgeImageMaker final : private Moves {
   double tau_;
   const SetWindows* windows_;
   int steps_;
+  std::size_t mostSamples_;
   std::unique_ptr<Mover> forward_, backward_;
   NearFaces near_;
   std::span<const EdgeToMap> edges_;

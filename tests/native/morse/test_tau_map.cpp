@@ -11,6 +11,7 @@
 #include "combinatorial/geometry_map.h"
 #include "data_sets.h"
 #include "fixtures.h"
+#include "morse/edge_image.h"
 #include "morse/error_bound.h"
 #include "morse/flow_mover.h"
 #include "morse/tau_map.h"
@@ -142,6 +143,41 @@ TEST(TauMap, SeesWhatLeavesBetweenSamplesThatComeTogether) {
   taus[162] = taus[163] = tau;
   const CombinatorialMap map = tauMap(faces, field, taus);
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, tries(500), {162, 163}), 0);
+}
+
+// Edges that need more samples than there may be are made again, alone, in the end.
+TEST(TauMap, BridgesGapsOfEdgesThatNeedTooManySamples) {
+  const auto charts = makeCharts(icosphere(2));
+  const TriangleMesh& mesh = charts->mesh();
+  const FlatFaces faces(charts);
+  const VectorField field = randomField(charts, 3);
+  const double tau = startingTau(field, TauUnit::Time, 6.0);
+  constexpr int kSteps = 16;
+  const TauFlow flow(faces, field, TauUnit::Time, 1e-5);
+  const auto mover = flow.mover(Direction::Forward, nullptr);
+  std::vector<std::vector<Arrival>> arrivals(mesh.vertexCount());
+  for (Index v = 0; v < mesh.vertexCount(); ++v) {
+    Arrival at{.point = vertexPoint(mesh, v)};
+    for (int i = 0; i < kSteps; ++i) arrivals[v].push_back(at = mover->move(at, tau / kSteps));
+  }
+  std::vector<EdgeToMap> edges;
+  for (Index e = 0; e < 160; ++e) {
+    const Index h = mesh.edgeHalfedge(e);
+    edges.push_back({e, arrivals[mesh.tail(h)], arrivals[mesh.head(h)]});
+  }
+  const auto images = [&](std::size_t mostSamples, std::size_t pieces) {
+    std::vector<std::vector<Index>> made(edges.size());
+    for (std::size_t first = 0; first < edges.size(); first += edges.size() / pieces) {
+      EdgeImageMaker maker(flow, tau, kSteps, nullptr, nullptr, mostSamples);
+      maker.make(std::span(edges).subspan(first, edges.size() / pieces),
+                 [&](std::size_t i, const EdgeImage& image) { made[first + i] = image.faces; });
+    }
+    return made;
+  };
+  const auto whole = images(EdgeImageMaker::kMostSamples, 1), bridged = images(20, 1);
+  EXPECT_NE(bridged, whole);
+  EXPECT_EQ(bridged, images(20, edges.size()));
+  for (const auto& image : bridged) EXPECT_FALSE(image.empty());
 }
 
 // Around a spiral the flow draws vectors out for half of each turn, while all comes together.
