@@ -2,25 +2,11 @@
 // and what one step of the slider over the error costs beside a new analysis.
 #include <benchmark/benchmark.h>
 
-#include <random>
-
-#include "../tracing/surfaces.h"
 #include "morse/morse_analysis.h"
+#include "rough_field.h"
 
 namespace stormfield {
 namespace {
-
-/// A swirl with errors: hundreds of sets.
-VectorField roughField(const std::shared_ptr<const VertexCharts>& charts) {
-  VectorField field = surfaces::swirlField(charts);
-  std::mt19937_64 random(1);
-  for (Complex& value : field.values) {
-    const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53 - 0.5; };
-    const double x = uniform(), y = uniform();
-    value += 0.5 * Complex(x, y);
-  }
-  return field;
-}
 
 void report(benchmark::State& state, const VectorField& field, const MorseAnalysis& analysis) {
   state.counters["faces"] = field.mesh().faceCount();
