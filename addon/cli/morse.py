@@ -23,8 +23,20 @@ from .progress import progress
 @click.option("--refine", is_flag=True, help="Refine coarse sets by larger tau (geometry: smaller pieces of edges).")
 @click.option("--tau-max", type=float, help="Largest tau of a refinement.")
 @click.option("--seconds", type=float, help="Time after which a refinement stops.")
-@click.option("--eps", type=float, default=0.0, help="Bound on the error of the vectors, mesh units per second.")
+@click.option(
+    "--eps",
+    "--epsilon",
+    "eps",
+    type=float,
+    default=0.0,
+    help="Bound on the error of the vectors, mesh units per second; geometry only, refined or not.",
+)
 @click.option("--relative", is_flag=True, help="--eps is in mean speeds of the field.")
+@click.option(
+    "--persistence/--no-persistence",
+    default=None,
+    help="Find the eps at which each set merges with another.  [default: geometry without --refine]",
+)
 @click.option("--trivial/--no-trivial", default=True, help="Keep sets of trivial index.  [default: yes]")
 def morse(given: FieldInput, lam: float | None, **options: Any) -> None:
     """Divide the surface of FIELD into Morse sets and what flows between them."""

@@ -40,10 +40,6 @@ class STORMFIELD_OT_refine_morse(AnalysisOperator, bpy.types.Operator):
     job_title = "Refining"
     keeps_when_stopped = True
 
-    @classmethod
-    def why_not(cls, obj):
-        return super().why_not(obj) or morse_state.why_no_refinement(obj)
-
     def start(self, context, obj):
         field = read_current(context, obj)
         self._attribute = field.attribute

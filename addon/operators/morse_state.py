@@ -36,20 +36,12 @@ def refine_options(settings, mesh: MeshData, values: np.ndarray) -> dict[str, An
     """Options of native.start_morse for a refinement of that field as the panel says."""
     options = {"method": settings.method, "refine": True, "seconds": settings.seconds}
     if settings.method == "geometry":
-        return options
+        return {**options, "eps": settings.eps / 100.0, "relative": True, "persistence": settings.persistence}
     begin = settings.length if settings.method == "spatial" else settings.tau
     if begin == 0.0:  # below the τ that a single map would take
         _, field = native_field(mesh, values)
         begin = 0.5 * native.starting_tau(field, UNITS[settings.method])
     return {**options, "tau": begin, "tau_max": begin * settings.tau_max}
-
-
-def why_no_refinement(obj: bpy.types.Object) -> str:
-    """Why the settings allow no refinement, and the cure; empty when they do."""
-    settings = obj.stormfield.morse
-    if settings.method == "geometry" and settings.eps > 0.0:
-        return "A refinement holds for this field alone; set Error ε to 0"
-    return ""
 
 
 def why_set_stays(obj: bpy.types.Object) -> str:
@@ -61,7 +53,7 @@ def why_set_stays(obj: bpy.types.Object) -> str:
         return "Select a Morse set in the list, the graph or the view first"
     decomposition = state.found.decomposition
     if decomposition.stop is None and (decomposition.method != "geometry" or decomposition.eps > 0):
-        return "Sets of one τ everywhere, or with an error, stay as they are; use Refine, or Directions without error"
+        return "Sets of one τ everywhere, or of Directions with an error, stay as they are; use Refine first"
     return ""
 
 
@@ -70,8 +62,8 @@ def why_no_simplification(obj: bpy.types.Object) -> str:
     state = of(obj)
     if state is None:
         return "Make Morse Sets again to simplify or refine them"
-    if state.found.decomposition.method != "geometry" or state.found.decomposition.stop is not None:
-        return "Refined sets and those of a flow cannot be simplified; make Morse Sets by Directions"
+    if state.found.decomposition.method != "geometry":
+        return "Sets of a flow cannot be simplified; make or refine Morse Sets by Directions"
     return ""
 
 

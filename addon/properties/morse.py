@@ -63,7 +63,7 @@ class MorseProperties(bpy.types.PropertyGroup):
     eps: FloatProperty(
         name="Error ε",
         description="The sets hold for every field that differs from this one by up to so much, as a part of the mean "
-        "speed (percent); for the method Directions",
+        "speed (percent); for the method Directions, refined or not",
         subtype="PERCENTAGE",
         min=0.0,
         max=100.0,
@@ -86,6 +86,12 @@ class MorseProperties(bpy.types.PropertyGroup):
         default=64.0,
         precision=0,
     )
+    persistence: BoolProperty(
+        name="Persistence",
+        description="Find for each refined set the error ε at which it merges with another, to a factor of 2: takes "
+        "some twenty times as long as the sets alone",
+        default=False,
+    )
     seconds: FloatProperty(
         name="Time at Most",
         description="Refinement ends after so long (seconds); what it has is kept",
@@ -96,7 +102,8 @@ class MorseProperties(bpy.types.PropertyGroup):
     )
     simplify: FloatProperty(
         name="Simplify",
-        description="Merge sets that errors up to so much would merge, as a part of the mean speed (percent)",
+        description="Merge sets that errors up to so much would merge, as a part of the mean speed (percent); refined "
+        "sets keep the pieces of edges they were found with",
         subtype="PERCENTAGE",
         min=0.0,
         max=100.0,

@@ -58,9 +58,11 @@ class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
         row.operator("stormfield.refine_morse", icon="MOD_MULTIRES")
         row.operator("stormfield.refine_set", text="This Set", icon="RESTRICT_SELECT_OFF")
         if obj.stormfield.analysis.mcg.made:
-            hint(context, body, morse_state.why_no_refinement(obj) or morse_state.why_set_stays(obj))
+            hint(context, body, morse_state.why_set_stays(obj))
         column = body.column()
-        if settings.method != "geometry":
+        if settings.method == "geometry":
+            column.prop(settings, "persistence")
+        else:
             column.prop(settings, "tau_max")
         column.prop(settings, "seconds")
 

@@ -44,7 +44,7 @@ std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std
                                              const std::optional<double>& tau, double eps, bool relative,
                                              const py::object& weights, bool refine,
                                              const std::optional<double>& tauMax, const std::optional<double>& seconds,
-                                             bool persistence, bool keepEmpty, bool trivial) {
+                                             const std::optional<bool>& persistence, bool keepEmpty, bool trivial) {
   MorseAnalysisOptions options;
   options.method = morseMethod(method);
   options.tau = tau;
@@ -130,7 +130,9 @@ void bindSet(py::module_& m) {
           "Conley index (b0, b1, b2); an upper bound of it where upper_bound is set.")
       .def_property_readonly(
           "upper_bound", [](const MorseSetView& s) { return s.data().upperBound; },
-          "Whether conley is an upper bound, as with tau maps, and not exact.")
+          "Whether conley is an upper bound, as with tau maps, and not exact; of a refined decomposition with eps, "
+          "whether "
+          "it is that of the field only, as fixed points may leave over the surface's boundary.")
       .def_property_readonly(
           "kind", [](const MorseSetView& s) { return name(s.data().kind); },
           "source, sink, saddle, attracting, repelling, trivial or other, by the Conley index.")
@@ -144,8 +146,8 @@ void bindSet(py::module_& m) {
           },
           "Whether flow leads from the set over the boundary of the surface.")
       .def_property_readonly("persistence", &persistenceOf,
-                             "Least eps at which the set merges with another, mesh units per second; None when it "
-                             "never does or the method is not geometry.")
+                             "Least eps at which the set merges with another, mesh units per second (refined: up to a "
+                             "factor of 2 more); None when it never does, or it was not asked for.")
       .def("__repr__", [](const MorseSetView& s) {
         const ConleyIndex& index = s.data().index;
         return message("<MorseSet ", name(s.data().kind), " (", index.b0, ", ", index.b1, ", ", index.b2, ") of ",
@@ -199,6 +201,7 @@ void bindDecomposition(py::module_& m) {
       .def_property_readonly("seconds", &secondsOf, "Seconds by phase: map, sets, persistence.")
       .def("simplify", &simplified, py::arg("eps"), py::arg("trivial") = py::none(),
            "The decomposition that holds for every field within eps >= 0 (mesh units per second, times the weights).\n"
+           "A refined one keeps its pieces of edges.\n"
            "trivial: whether to keep sets of trivial index (None: as here). Raises InputError unless the method is "
            "geometry.")
       .def(
@@ -223,12 +226,15 @@ void bind_morse(py::module_& m) {
   m.def(
       "start_morse", &startMorse, py::arg("field"), py::arg("method") = "geometry", py::arg("tau") = py::none(),
       py::arg("eps") = 0.0, py::arg("relative") = false, py::arg("weights") = py::none(), py::arg("refine") = false,
-      py::arg("tau_max") = py::none(), py::arg("seconds") = py::none(), py::arg("persistence") = true,
+      py::arg("tau_max") = py::none(), py::arg("seconds") = py::none(), py::arg("persistence") = py::none(),
       py::arg("keep_empty") = false, py::arg("trivial") = true,
       "Start the Morse decomposition of a VectorField -> MorseJob, whose result is a MorseDecomposition.\n"
       "method: geometry, tau or spatial. tau: seconds, or mesh units for spatial (None: found from the field).\n"
-      "eps: bound on the error of the vectors, in mesh units per second, or mean speeds with relative; geometry only.\n"
-      "weights: (n,) float64 >= 0, factors of eps at the vertices. persistence: whether to find when sets merge.\n"
+      "eps: bound on the error of the vectors, in mesh units per second, or mean speeds with relative; geometry only,\n"
+      "refined or not.\n"
+      "weights: (n,) float64 >= 0, factors of eps at the vertices. persistence: whether to find when sets merge "
+      "(None:\n"
+      "without refine only); refined, that takes some twenty maps and is accurate to a factor of 2.\n"
       "refine: refine coarse sets, for at most so many seconds: tau and spatial by ever larger tau, from tau up to\n"
       "tau_max, geometry by ever smaller pieces of edges, also inside faces; a cancelled refinement returns the sets\n"
       "it has come to.\n"

@@ -59,9 +59,10 @@ void analyzeGeometry(MorseAnalysis& analysis, const MorseAnalysisOptions& option
         std::make_shared<const ErrorBoundedMap>(errorBoundedMap(*analysis.field, options.weights, progress));
     analysis.map = std::make_shared<const CombinatorialMap>(mapWithin(*analysis.bounded, analysis.epsilon));
   });
-  progress.range(0.3, options.persistence ? 0.4 : 1.0);
+  const bool persistence = options.persistence.value_or(true);
+  progress.range(0.3, persistence ? 0.4 : 1.0);
   analysis.seconds.sets = timed([&] { findSets(analysis, progress); });
-  if (!options.persistence) return;
+  if (!persistence) return;
   progress.range(0.4, 1.0);
   analysis.seconds.persistence = timed([&] {
     analysis.levels = std::make_shared<const MergeLevels>(mergeLevels(*analysis.bounded, progress));
@@ -123,7 +124,9 @@ void analyzeByRefinement(MorseAnalysis& analysis, const std::shared_ptr<const Fl
   takeRefinement(analysis, refinement);
 }
 
-void takeTransits(MorseAnalysis& analysis, std::shared_ptr<const TransitRefinement> transits) {
+/// The sets of what a refinement has come to, also when it was cancelled, and their persistence, which is left out
+/// then.
+void takeTransits(MorseAnalysis& analysis, std::shared_ptr<const TransitRefinement> transits, Progress& progress) {
   analysis.transits = std::move(transits);
   Progress own;
   analysis.seconds.sets = timed([&] {
@@ -132,22 +135,37 @@ void takeTransits(MorseAnalysis& analysis, std::shared_ptr<const TransitRefineme
     analysis.map = std::make_shared<const CombinatorialMap>(std::move(found.map));
     analysis.nodes = std::move(found.nodes);
   });
+  if (!analysis.transitPersistence || progress.cancelled()) return;
+  analysis.seconds.persistence = timed([&] {
+    try {
+      const std::vector<double> persistence = transitPersistence(*analysis.transits, analysis.nodes, progress);
+      for (std::size_t s = 0; s < persistence.size(); ++s) {
+        analysis.decomposition.sets[s].persistence = persistence[s];
+      }
+    } catch (const Cancelled&) {
+      analysis.stop = RefinementStop::Cancelled;
+    }
+  });
 }
 
 void analyzeByTransits(MorseAnalysis& analysis, const std::shared_ptr<const FlatFaces>& faces,
                        const MorseAnalysisOptions& options, Progress& progress) {
-  if (analysis.epsilon > 0.0) throw InputError("a refined decomposition has no error bound; set eps to 0");
   if (!(options.maximalSeconds > 0.0)) {
     throw InputError(message("the limit of time is ", options.maximalSeconds, " s; give a positive number"));
   }
   TransitOptions transitOptions;
   transitOptions.maximalSeconds = options.maximalSeconds;
+  transitOptions.epsilon = analysis.epsilon;
+  transitOptions.weights = options.weights;
+  analysis.transitPersistence = options.persistence.value_or(false);
+  progress.range(0.0, analysis.transitPersistence ? 0.1 : 1.0);
   std::shared_ptr<TransitRefinement> transits;
   analysis.seconds.map = timed([&] {
     transits = std::make_shared<TransitRefinement>(faces, analysis.field, transitOptions, &progress);
     analysis.stop = transits->refine(&progress);
   });
-  takeTransits(analysis, transits);
+  progress.range(0.1, 1.0);
+  takeTransits(analysis, transits, progress);
 }
 
 }  // namespace
@@ -221,9 +239,9 @@ MorseAnalysis analyzeMorse(const std::shared_ptr<const FlatFaces>& faces, const 
 
 MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTrivial, Progress& progress) {
   checkEpsilon(epsilon);
-  if (!analysis.bounded) {
+  if (analysis.method != MorseMethod::Geometry || analysis.refinement) {
     throw InputError(message("a decomposition by '", name(analysis.method),
-                             "', or a refined one, has no error bound; make one with the method 'geometry' alone"));
+                             "' has no error bound; make one with the method 'geometry'"));
   }
   MorseAnalysis result;
   result.method = analysis.method;
@@ -231,6 +249,15 @@ MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTri
   result.keepTrivial = keepTrivial;
   result.epsilon = epsilon;
   result.field = analysis.field;
+  if (analysis.transits) {
+    result.stop = analysis.stop;
+    result.transitPersistence = analysis.transitPersistence;
+    std::shared_ptr<const TransitRefinement> transits;
+    result.seconds.map = timed(
+        [&] { transits = std::make_shared<const TransitRefinement>(analysis.transits->within(epsilon, &progress)); });
+    takeTransits(result, transits, progress);
+    return result;
+  }
   result.bounded = analysis.bounded;
   result.levels = analysis.levels;
   result.seconds.map =
@@ -255,8 +282,11 @@ MorseAnalysis withSetRefined(const std::shared_ptr<const FlatFaces>& faces, cons
   result.field = analysis.field;
   if (analysis.transits) {
     const auto transits = std::make_shared<TransitRefinement>(*analysis.transits);
+    result.epsilon = analysis.epsilon;
+    result.stop = analysis.stop;
+    result.transitPersistence = analysis.transitPersistence;
     result.seconds.map = timed([&] { transits->refineNodes(analysis.nodes.faces(set), &progress); });
-    takeTransits(result, transits);
+    takeTransits(result, transits, progress);
     return result;
   }
   MorseAnalysisOptions options;

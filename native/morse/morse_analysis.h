@@ -17,6 +17,7 @@
 #include "morse/morse_decomposition.h"
 #include "morse/persistence.h"
 #include "morse/refinement.h"
+#include "morse/transit_persistence.h"
 #include "morse/transit_refinement.h"
 #include "tracing/flat_faces.h"
 
@@ -46,9 +47,10 @@ struct MorseAnalysisOptions {
   double epsilon = 0.0;
   bool relativeEpsilon = false;
   std::vector<double> weights{};  ///< factors of epsilon, one per vertex; empty: 1
-  bool persistence = true;        ///< Geometry: whether to find when sets merge
-  bool keepEmpty = false;         ///< recurrence.h
-  bool keepTrivial = true;        ///< morse_decomposition.h
+  /// Geometry: whether to find when sets merge; none: where it costs little, without refine.
+  std::optional<bool> persistence{};
+  bool keepEmpty = false;   ///< recurrence.h
+  bool keepTrivial = true;  ///< morse_decomposition.h
 };
 
 struct MorseAnalysis {
@@ -62,6 +64,7 @@ struct MorseAnalysis {
   std::shared_ptr<const MergeLevels> levels;          ///< Geometry with persistence only
   std::shared_ptr<const MorseRefinement> refinement;  ///< Tau and Spatial with refine only
   std::shared_ptr<const TransitRefinement> transits;  ///< Geometry with refine only
+  bool transitPersistence = false;                    ///< whether it was asked for
   FaceSets nodes;                                     ///< of the map; Geometry with refine only: nodes of each set
   std::optional<RefinementStop> stop;                 ///< why it went no further
   MorseDecomposition decomposition;
@@ -76,8 +79,9 @@ MorseAnalysis analyzeMorse(const std::shared_ptr<const FlatFaces>& faces, const 
                            const MorseAnalysisOptions& options, Progress& progress);
 
 /// The decomposition that holds for every field within epsilon: that of the same analysis with this epsilon and choice
-/// of trivial sets, in the time of a search for components. Throws InputError unless the method is Geometry and epsilon
-/// a number >= 0.
+/// of trivial sets, in the time of a search for components. A refined one keeps its pieces, in the time of a map of all
+/// of them; sets that it was asked to find persistence for get it again. Throws InputError unless the method is
+/// Geometry and epsilon a number >= 0, and Cancelled.
 MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTrivial, Progress& progress);
 
 /// The decomposition with one set refined further by hand, by the method of its refinement, or by maps of the flow for

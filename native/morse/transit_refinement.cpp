@@ -117,13 +117,34 @@ std::shared_ptr<const ConeTransit> conesOf(const std::shared_ptr<const FlatFaces
 TransitRefinement::TransitRefinement(const std::shared_ptr<const FlatFaces>& faces,
                                      const std::shared_ptr<const VectorField>& field, const TransitOptions& options,
                                      Progress* progress)
-    : field_(field), options_(options), map_(faces, field, progress, conesOf(faces, field, options)) {
+    : faces_(faces),
+      field_(field),
+      options_(options),
+      cones_(conesOf(faces, field, options)),
+      map_(faces, field, progress, cones_) {
+  findSets(progress);
+}
+
+TransitRefinement TransitRefinement::within(double epsilon, Progress* progress) const {
+  TransitRefinement result = *this;
+  if (epsilon == options_.epsilon) return result;
+  result.options_.epsilon = epsilon;
+  result.cones_ = cones_ ? std::make_shared<const ConeTransit>(cones_->within(epsilon))
+                         : std::make_shared<const ConeTransit>(faces_, field_, epsilon, options_.weights);
+  result.map_ = map_.within(result.cones_);
+  result.findSets(progress);
+  return result;
+}
+
+void TransitRefinement::findSets(Progress* progress) {
   std::vector<Index> nodes(map_.outside());
   std::iota(nodes.begin(), nodes.end(), 0);
   std::vector<Index> place = nodes;
   place.push_back(kNone);
   nodes_ = recurrentMembers(stronglyConnectedComponents(map_.graphAmong(nodes, place, progress)), nodes);
-  trials_.resize(nodes_.size());
+  trials_.assign(nodes_.size(), {});
+  ways_.clear();
+  level_ = 0;
 }
 
 int TransitRefinement::levelsOf(Index set) const {

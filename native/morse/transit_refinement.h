@@ -79,6 +79,12 @@ class TransitRefinement {
   /// beyond the last; whether they did. Throws Cancelled.
   bool refineNodes(const std::vector<Index>& nodes, Progress* progress = nullptr);
 
+  /// The same pieces for all fields within another epsilon; they can be refined further. With 0 the sets are nearly
+  /// those of the field itself, or just those where this has no error bound. Throws InputError and Cancelled.
+  TransitRefinement within(double epsilon, Progress* progress = nullptr) const;
+  const VectorField& field() const { return *field_; }
+  const TransitOptions& options() const { return options_; }
+
   /// Nodes of each recurrent set, ascending.
   const std::vector<std::vector<Index>>& sets() const { return nodes_; }
   const TransitMap& map() const { return map_; }
@@ -91,6 +97,7 @@ class TransitRefinement {
     bool done = false;
   };
 
+  void findSets(Progress* progress);
   int levelsOf(Index set) const;
   bool isOpen(Index set, int levels) const;
   bool isOpenPiece(Index node, int levels) const;
@@ -98,8 +105,10 @@ class TransitRefinement {
   bool refineWays(Progress* progress);
   bool fits() const;
 
+  std::shared_ptr<const FlatFaces> faces_;
   std::shared_ptr<const VectorField> field_;
   TransitOptions options_;
+  std::shared_ptr<const ConeTransit> cones_;  ///< null without an error bound
   TransitMap map_;
   std::vector<std::vector<Index>> nodes_;
   std::vector<Trial> trials_;

@@ -238,13 +238,21 @@ def test_refinement(rings, method):
     assert kinds.count("source") == 2 and "attracting" in kinds
 
 
-def test_what_is_refined_has_no_error(rings):
+def test_what_is_refined_holds_within_the_error_and_can_be_simplified(rings):
     from stormfield.operators import morse_state
 
-    rings.stormfield.morse.eps = 5.0
-    with pytest.raises(RuntimeError, match="set Error ε to 0"):
-        bpy.ops.stormfield.refine_morse()
-    rings.stormfield.morse.eps = 0.0
+    morse = rings.stormfield.morse
+    morse.eps = 1.0
+    morse.persistence = True
+    assert bpy.ops.stormfield.refine_morse() == {"FINISHED"}
+    decomposition = morse_state.of(rings).found.decomposition
+    assert decomposition.eps > 0.0 and any(s.persistence for s in decomposition.sets)
+    kinds = [item.kind for item in rings.stormfield.analysis.mcg.items]
+    assert "source" in kinds and "attracting" in kinds
+    assert not morse_state.why_no_simplification(rings)
+    morse.simplify = 100.0
+    assert len(rings.stormfield.analysis.mcg.items) < len(kinds)
+    morse.method = "tau"
     bpy.ops.stormfield.refine_morse()
     assert "cannot be simplified" in morse_state.why_no_simplification(rings)
 

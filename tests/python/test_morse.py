@@ -180,8 +180,20 @@ def test_geometry_refines_inside_faces():
         assert s.conley[0] - s.conley[1] + s.conley[2] == s.poincare
         assert set(np.flatnonzero(fine.face_sets == i)) <= set(s.faces)
     assert fine.start_refine_set(0).result().method == "geometry"
-    with pytest.raises(native.InputError, match="no error bound"):
-        fine.simplify(0.1)
+
+
+def test_refinement_with_an_error_bound():
+    _, field = strip_with_pair()
+    fine = native.start_morse(field, refine=True, eps=0.01, relative=True, persistence=True).result()
+    assert fine.stop == "done" and fine.eps == pytest.approx(0.01 * native.mean_speed(field))
+    assert Counter(s.kind for s in fine.sets if s.kind != "trivial") == {"sink": 2, "saddle": 1}
+    merge = [s.persistence for s in fine.sets]
+    assert all(value is None or value > fine.eps for value in merge) and any(merge)
+    simpler = fine.simplify(max(value for value in merge if value))
+    # Where nothing was refined, faces that some field rests in make sets that are trivial.
+    assert sum(s.kind != "trivial" for s in simpler.sets) < 3
+    assert simpler.eps > fine.eps and simpler.stop == "done"
+    assert all(s.persistence is None for s in native.start_morse(field, refine=True).result().sets)
 
 
 def test_one_set_is_refined_by_hand():

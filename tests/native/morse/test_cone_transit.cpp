@@ -10,6 +10,8 @@
 #include "fixtures.h"
 #include "long_tests.h"
 #include "morse/error_bound.h"
+#include "morse/morse_analysis.h"
+#include "morse/transit_persistence.h"
 #include "morse/transit_refinement.h"
 
 namespace stormfield::test {
@@ -260,6 +262,58 @@ TEST(TransitRefinementOfAllFields, HoldsUnderNoiseWhileTheFieldsOwnGraphsChange)
     EXPECT_GE(changed, isLong ? 1 : 0);
     RecordProperty("runs_with_another_number_of_own_sets", changed);
   }
+}
+
+TEST(TransitRefinementOfAllFields, AnalysisTakesEveryErrorBound) {
+  const FieldPointer field = random(icosphere(0), 8);
+  const auto faces = flatFaces(*field);
+  Progress progress;
+  MorseAnalysisOptions options;
+  options.refine = true;
+  options.epsilon = 0.05;
+  const MorseAnalysis found = analyzeMorse(faces, *field, options, progress);
+  EXPECT_EQ(found.epsilon, 0.05);
+  EXPECT_EQ(withSetRefined(faces, found, 0, progress).epsilon, 0.05);
+  const MorseAnalysis same = within(found, 0.05, true, progress), more = within(found, 100.0, true, progress);
+  EXPECT_EQ(same.decomposition.covers, found.decomposition.covers);
+  EXPECT_EQ(more.decomposition.sets.size(), 1U);
+  EXPECT_THROW(within(found, -1.0, true, progress), InputError);
+  options.epsilon = -1.0;
+  EXPECT_THROW(analyzeMorse(faces, *field, options, progress), InputError);
+  options.epsilon = 0.05;
+  options.weights = {1.0, 2.0};
+  EXPECT_THROW(analyzeMorse(faces, *field, options, progress), InputError);
+}
+
+TEST(TransitRefinementOfAllFields, PersistenceIsWhereSetsMerge) {
+  const FieldPointer field = random(icosphere(0), 5);
+  Progress progress;
+  TransitRefinement refinement(flatFaces(*field), field, {.levels = 3});
+  refinement.refine();
+  const TransitDecomposition found = refinement.decomposition(false, true, progress);
+  const std::vector<double> persistence = transitPersistence(refinement, found.nodes, progress);
+  ASSERT_GT(persistence.size(), 1U);
+  const auto isMerged = [&](Index set, double epsilon) {
+    const TransitRefinement within = refinement.within(epsilon);
+    for (const std::vector<Index>& nodes : within.sets()) {
+      const auto holds = [&](Index s) {
+        return std::binary_search(nodes.begin(), nodes.end(), found.nodes.faces(s).front());
+      };
+      if (!holds(set)) continue;
+      for (Index other = 0; other < found.nodes.count(); ++other) {
+        if (other != set && holds(other)) return true;
+      }
+    }
+    return false;
+  };
+  for (Index set = 0; set < found.nodes.count(); ++set) {
+    ASSERT_TRUE(std::isfinite(persistence[set]));  // the surface is connected
+    EXPECT_TRUE(isMerged(set, persistence[set]));
+    constexpr double kFirstStep = 1e-5;  // below, nothing is told apart
+    EXPECT_TRUE(persistence[set] < kFirstStep || !isMerged(set, persistence[set] / kPersistenceStep));
+  }
+  progress.cancel();
+  EXPECT_THROW(transitPersistence(refinement, found.nodes, progress), Cancelled);
 }
 
 }  // namespace
