@@ -175,7 +175,7 @@ auto FaceStepKernel<Bytes, Count, Curved>::bend() -> F {
   // And round-off.
   const F rounding = 1e-6F * (size + residual);
   return missing +
-         duration * (rounding + rule * lengthOf(cubic) + residual * squared * squared * squared * (1.0F / 5040));
+         duration * (rounding + rule * lengthOf(cubic) + residual * squared * squared * squared * stretch / 40320.0F);
 }
 
 }  // namespace stormfield::lanes

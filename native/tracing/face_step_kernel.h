@@ -45,7 +45,7 @@ class FaceStepKernel {
     D x, y;
   };
 
-  static constexpr int kOrder = 8, kNodes = 4, kMoments = 6, kMostPasses = 4;
+  static constexpr int kOrder = 12, kNodes = 4, kMoments = 7, kMostPasses = 4;
   static constexpr double kPlain = 1e-6;  ///< barycentric distance from a vertex below which a path is not plain
   static constexpr float kFar = 1e30F;    ///< longer than any time
 
@@ -225,8 +225,10 @@ void FaceStepKernel<Bytes, Count, Curved>::meetSides() {
   }
   // Where the terms left out, about half of the last one, are a quarter of the tolerance.
   const F last = 0.5F * size_ * (toFloats(absolute(series_[kOrder].x) + absolute(series_[kOrder].y)));
-  const F eighth = 0.25F * tolerance_ / larger(last, L::all(1e-37F));
-  const F reach = squareRoot(squareRoot(squareRoot(eighth)));
+  // The twelfth root, nearly.
+  const F power = smaller(0.25F * tolerance_ / larger(last, L::all(1e-37F)), L::all(1e30F));
+  const F sixteenth = squareRoot(squareRoot(squareRoot(squareRoot(power))));
+  const F reach = sixteenth * squareRoot(squareRoot(sixteenth));
   const D farthest = smaller(toDoubles(reach), longest_);
   const auto across = t <= farthest;
   duration_ = select(across, t, farthest);
@@ -284,6 +286,7 @@ void FaceStepKernel<Bytes, Count, Curved>::run(Particles& particles, int firstPa
   gatherShape();
   followAffinePart();
   meetSides();
+  const D guess = duration_;
   settle();
   placeNodes();
   F error = L::all(0.0F);
@@ -339,7 +342,13 @@ void FaceStepKernel<Bytes, Count, Curved>::run(Particles& particles, int firstPa
     plain = plain & (mine | (rate0 >= 0.0) | (rates[i] <= 0.0) | (low > 0.0));
   }
   const D starting[3] = {third(start_), start_.x, start_.y};
-  for (int i = 0; i < 3; ++i) plain = plain & (entered_[i] | (starting[i] > kPlain));
+  // Else a shorter step may be plain.
+  auto beginsPlain = (unit_ > 0.0) & (guess > 0.0);
+  for (int i = 0; i < 3; ++i) {
+    beginsPlain = beginsPlain & (entered_[i] | (starting[i] > kPlain)) &
+                  (negated(entered_[i]) | (toDoubles(startRates[i]) > margin));
+  }
+  plain = plain & beginsPlain;
 
   // Length: of the chord, and by how much the path exceeds it.
   const Pair change = {end.x - start_.x, end.y - start_.y};
@@ -371,7 +380,7 @@ void FaceStepKernel<Bytes, Count, Curved>::run(Particles& particles, int firstPa
 
   // The error: of the series, the bend, the last way to the side, the length.
   const F squaredTime = step * step, fourth = squaredTime * squaredTime;
-  error = error + smaller(0.125F * stretch_ * step, L::all(0.5F)) * size_ * (fourth * fourth) *
+  error = error + smaller((1.0F / 13) * stretch_ * step, L::all(0.5F)) * size_ * (fourth * fourth * fourth) *
                       toFloats(absolute(series_[kOrder].x) + absolute(series_[kOrder].y));
   const FloatPair jump = {lastBent_.x - bent_[kNodes - 1].x, lastBent_.y - bent_[kNodes - 1].y};
   const F stretch = stretch_ * lateness;
@@ -380,17 +389,18 @@ void FaceStepKernel<Bytes, Count, Curved>::run(Particles& particles, int firstPa
   const F way = toFloats(chord), inverseSpeed = step / way;
   const F second = absolute(excessQuadratic) * inverseSpeed,
           visible = absolute(excessCubic) * inverseSpeed + second * squareRoot(second);
-  error = error + 4e-7F * step * sideways + 0.25F * way * visible * visible * squareRoot(visible);
+  error = error + 4e-7F * step * sideways + 0.02F * way * visible * visible * squareRoot(visible);
   const F allowed = smaller(tolerance_, relativeTolerance_ * toFloats(length));
   const auto exact = toDoubles(error) <= toDoubles(allowed);
   const auto allowedTime = duration <= longest_;
 
-  const D exit = select(plain, select(exact & allowedTime, leaving_, L::all(static_cast<double>(kTooLong))),
-                        L::all(static_cast<double>(kNotPlain)));
+  const auto done = plain & exact & allowedTime;
+  const D exit =
+      select(done, leaving_,
+             select(beginsPlain, L::all(static_cast<double>(kTooLong)), L::all(static_cast<double>(kNotPlain))));
   const F ratio = squareRoot(squareRoot(allowed / error));
   const F factor = smaller(larger(0.8F * ratio, L::all(0.2F)), L::all(0.7F));
-  const D shorter = smaller(toDoubles(step * factor), longest_);
-  const auto done = exact & allowedTime;
+  const D shorter = smaller(select(plain, toDoubles(step * factor), 0.5 * guess), longest_);
   const D seconds = select(duration == longest_, longestSeconds_, unit_ * duration);
   L::store(exit, particles.exit + firstParticle);
   L::store(end.x, particles.end[0] + firstParticle);

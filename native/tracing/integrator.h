@@ -83,10 +83,27 @@ class Integrator {
   bool take(const FaceStep& step);
   bool takeSmallStep();
   SurfacePoint here() const {
-    if (!positioned_) return {face_, inside()};
-    SurfacePoint p{face_, flat_->barycentric(position_).cwiseMax(0.0)};
-    p.barycentric /= p.barycentric.sum();
+    SurfacePoint p;
+    here(p);
     return p;
+  }
+  /// Written number by number, and only written: what is read again as a whole at once would wait for that.
+  void here(SurfacePoint& p) const {
+    p.face = face_;
+    double* b = p.barycentric.data();
+    if (positioned_) {
+      p.barycentric = flat_->barycentric(position_).cwiseMax(0.0);
+      p.barycentric /= p.barycentric.sum();
+    } else if (entry_.side == kNoSide) {
+      b[0] = inside_[0];
+      b[1] = inside_[1];
+      b[2] = inside_[2];
+    } else {
+      const int next = entry_.side == 2 ? 0 : entry_.side + 1;
+      b[entry_.side] = 1.0 - entry_.fraction;
+      b[next] = entry_.fraction;
+      b[3 - entry_.side - next] = 0.0;
+    }
   }
   double elapsed() const { return elapsed_; }
   /// After a step: the side of the face at hand that it came in over, if it ended there.

@@ -45,6 +45,10 @@ class Streamlines {
     if (seeds.size() * kWorthPreparing >= static_cast<std::size_t>(faceCount)) {
       prepared_ = prepareFaces(faces, SteadyFlow(field.values.data(), rate));
     }
+    order_.resize(seeds.size());
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](std::size_t a, std::size_t b) { return seeds[a].face < seeds[b].face; });
     const SteadyFlow flow(field.values.data(), rate, prepared_.get());
     prototype_.emplace(faces, flow, options, options.minimalSpeed * fastest(field));
   }
@@ -85,9 +89,9 @@ class Streamlines {
     bool next(int lane, SurfacePoint& seed, double& maximalTime) {
       if (progress != nullptr) progress->check();
       if (begun.load(std::memory_order_relaxed) >= lines.seeds_.size()) return false;
-      const std::size_t trace = begun++;
-      if (trace >= lines.seeds_.size()) return false;
-      traces[lane] = trace;
+      const std::size_t place = begun++;
+      if (place >= lines.seeds_.size()) return false;
+      const std::size_t trace = traces[lane] = lines.order_[place];
       seed = lines.seeds_[trace];
       maximalTime = lines.options_.maximalTime;
       keeper.begin(lane, seed);
@@ -106,6 +110,7 @@ class Streamlines {
   };
 
   const std::vector<SurfacePoint>& seeds_;
+  std::vector<std::size_t> order_;  ///< of the seeds, by face: traces side by side then share faces in the cache
   const TraceOptions& options_;
   std::unique_ptr<FaceFlow[]> prepared_;
   std::optional<Steady> prototype_;
@@ -124,14 +129,16 @@ struct EndKeeper {
 class PointLog {
  public:
   std::size_t size() const { return size_; }
-  void add(const SurfacePoint& point, double time) {
+  /// A place for another point.
+  SurfacePoint& add(double time) {
     if (size_ % kBlock == 0) blocks_.push_back(std::make_unique_for_overwrite<Block>());
-    blocks_.back()->points[size_ % kBlock] = point;
-    blocks_.back()->times[size_ % kBlock] = lastTime_ = time;
-    ++size_;
+    Block& block = *blocks_.back();
+    const std::size_t at = size_++ % kBlock;
+    block.times[at] = lastTime_ = time;
+    return block.points[at];
   }
   double lastTime() const { return lastTime_; }
-  void replaceLast(const SurfacePoint& point) { blocks_.back()->points[(size_ - 1) % kBlock] = point; }
+  SurfacePoint& last() { return blocks_.back()->points[(size_ - 1) % kBlock]; }
   void copy(std::size_t first, std::size_t count, SurfacePoint* points, double* times) const {
     while (count > 0) {
       const Block& block = *blocks_[first / kBlock];
@@ -170,16 +177,13 @@ struct PointKeeper {
   void begin(int lane, const SurfacePoint& seed) {
     PointLog& log = logs[lane];
     first[lane] = log.size();
-    log.add(seed, 0.0);
+    log.add(0.0) = seed;
   }
   void step(int lane, const Steady& integrator) {
     PointLog& log = logs[lane];
     // Hand-overs between faces do not move the particle.
-    if (integrator.elapsed() == log.lastTime()) {
-      log.replaceLast(integrator.here());
-    } else {
-      log.add(integrator.here(), integrator.elapsed());
-    }
+    const double time = integrator.elapsed();
+    integrator.here(time == log.lastTime() ? log.last() : log.add(time));
   }
   void end(int lane, std::size_t trace, const TraceEnd& traceEnd) {
     const PointLog& log = logs[lane];

@@ -1,5 +1,6 @@
-// Edge crossings per second of the tracer (of processor time, one core), with its error against a fine trace of the same
-// seeds, in mean edge lengths, where digits is -log10 of the tolerance and points says whether they are kept; frames of advected coordinates and stream functions per second.
+// Edge crossings per second of the tracer (of processor time, one core), with its error against a fine trace of the
+// same seeds, in mean edge lengths, where digits is -log10 of the tolerance and points says whether they are kept;
+// frames of advected coordinates and stream functions per second.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
