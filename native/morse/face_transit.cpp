@@ -34,7 +34,8 @@ constexpr int kMostJumps = 16;
 EdgeFlow edgeFlowOf(const VectorField& field, Index e) {
   const EndVectors ends = endVectors(field, field.mesh().edgeHalfedge(e));
   const double tail = ends.tail.imag(), head = ends.head.imag();
-  if (restsOnEdge(ends) || (tail == 0.0 && head == 0.0)) return {};
+  if (restsOnEdge(ends)) return {};
+  if (tail == 0.0 && head == 0.0) return {.along = ends.tail.real() > 0.0 ? 1 : -1};
   if (tail * head >= 0.0) return {tail + head > 0.0 ? 1 : -1, 1.0};
   const double turn = tail / (tail - head), along = (1.0 - turn) * ends.tail.real() + turn * ends.head.real();
   // A fixed point rests on the edge, or too near for its two faces to tell where.
@@ -100,7 +101,7 @@ FaceTransit::FaceTransit(std::shared_ptr<const FlatFaces> faces, std::shared_ptr
       along_(prepareFaces(*faces_, SteadyFlow(field_->values.data(), 1.0))) {
   tbb::parallel_for(Index{0}, mesh().edgeCount(), [&](Index e) { edges_[e] = edgeFlowOf(*field_, e); });
   for (Index f = 0; f < mesh().faceCount(); ++f) {
-    for (Index h = 3 * f; h < 3 * f + 3; ++h) coarse_[f] |= edges_[mesh().edge(h)].sign == 0;
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) coarse_[f] |= edges_[mesh().edge(h)].isOpen();
     coarse_[f] |= std::abs(poincare_[f]) > 1;
   }
 }
@@ -109,7 +110,7 @@ FaceTransit::Arcs FaceTransit::arcs(Index f, Direction direction) const {
   Arcs result;
   for (int i = 0; i < 3; ++i) {
     const Index h = TriangleMesh::halfedge(f, i), e = mesh().edge(h);
-    const auto [sign, turn, touchesWithin] = edges_[e];
+    const auto [sign, turn, touchesWithin, along] = edges_[e];
     const bool canonical = mesh().edgeHalfedge(e) == h, turns = turn < 1.0;
     // Along h: against a halfedge that is not canonical, the part beyond the turn comes first.
     const bool leavesFirst = canonical ? sign < 0 : (turns ? sign < 0 : sign > 0);

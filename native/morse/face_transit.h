@@ -26,12 +26,18 @@ namespace stormfield {
 
 /// How flow crosses an edge, seen along its canonical halfedge.
 struct EdgeFlow {
-  /// Before the turn: +1 into the halfedge's face, -1 out of it, 0 both ways (a fixed point rests on the edge, or the
-  /// flow runs along it). Beyond the turn, which is 1 where there is none, the other way.
+  /// Before the turn: +1 into the halfedge's face, -1 out of it, 0 both ways (a fixed point rests on the edge). Beyond
+  /// the turn, which is 1 where there is none, the other way.
   int sign = 0;
   double turn = 1.0;
   /// Whether the trajectory through the turn touches the edge within the halfedge's face, or in the other one.
   bool touchesWithin = false;
+  /// +1 where the flow runs along the edge, as the halfedge does, -1 against it, else 0. No trajectory crosses such an
+  /// edge: it is one, and counts to the arcs of entry of both its faces, as the limit of what comes in beside it.
+  int along = 0;
+
+  /// Whether flow may cross it anywhere, both ways.
+  bool isOpen() const { return sign == 0 && along == 0; }
 };
 
 /// Part of the boundary of a face, from `begin` counter-clockwise.

@@ -49,19 +49,22 @@ TransitMap::TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<c
     return;
   }
   const auto edgeCount = static_cast<std::size_t>(mesh().edgeCount());
+  const auto entered = [&](Index e, int sign) {
+    return transit_->edgeFlow(e).along != 0 ? EdgePiece::kAlong : enteredBy(e, sign);
+  };
   findRests(progress);
   // Each edge has one part or two, each of these the cuts at its jumps.
   std::vector<std::array<Cuts, 2>> cuts(edgeCount);
   eachOf(edgeCount, progress, [&](std::size_t i) {
     const auto e = static_cast<Index>(i);
-    const auto [sign, turn, touchesWithin] = transit_->edgeFlow(e);
+    const auto [sign, turn, touchesWithin, along] = transit_->edgeFlow(e);
     EdgePiece piece;
     piece.edge = e;
-    piece.enters = enteredBy(e, sign);
+    piece.enters = entered(e, sign);
     piece.to = turn;
     cut(piece, cuts[i][0]);
     if (turn == 1.0) return;
-    piece.enters = enteredBy(e, -sign);
+    piece.enters = entered(e, -sign);
     piece.from = turn;
     piece.to = 1.0;
     cut(piece, cuts[i][1]);
@@ -73,7 +76,7 @@ TransitMap::TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<c
     for (int part = 0; part < 2; ++part) {
       const int sign = transit_->edgeFlow(e).sign;
       for (const auto& [to, imageFrom, imageTo] : cuts[i][part]) {
-        pieces_.push_back({e, enteredBy(e, part == 0 ? sign : -sign), 0, from, to, imageFrom, imageTo});
+        pieces_.push_back({e, entered(e, part == 0 ? sign : -sign), 0, from, to, imageFrom, imageTo});
         from = to;
       }
     }
@@ -82,7 +85,7 @@ TransitMap::TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<c
   for (Index i = 0; i < pieceCount(); ++i) places_.push_back(placeOf(i));
   touches_.assign(edgeCount, FaceTransit::kRest);
   for (std::size_t i = 0; i < edgeCount; ++i) {
-    const auto [sign, turn, within] = transit_->edgeFlow(static_cast<Index>(i));
+    const auto [sign, turn, within, along] = transit_->edgeFlow(static_cast<Index>(i));
     if (turn == 1.0) continue;
     touches_[i] = (sign > 0) == within ? cuts[i][0].back().imageTo : cuts[i][1].front().imageFrom;
   }
@@ -301,7 +304,8 @@ void TransitMap::eachExit(Index f, const BoundaryArc& arc, const Visit& visit) c
       const Place* at =
           std::lower_bound(first, end, from, [](const Place& p, double fraction) { return p.to < fraction; });
       for (; at != end && (at == first || at[-1].to <= to); ++at) {
-        if (at->enters != f) visit(nodeOf(at->piece), pieces_[at->piece]);
+        const bool crossed = at->enters != f && at->enters != EdgePiece::kAlong;
+        if (crossed) visit(nodeOf(at->piece), pieces_[at->piece]);
       }
     }
   }
@@ -364,7 +368,23 @@ bool TransitMap::meets(const std::vector<BoundaryArc>& arcs, Index f, const Edge
                      [&](const BoundaryArc& arc) { return meet(std::min(c, d), std::abs(d - c), arc); });
 }
 
+/// Where the flow along halfedge h of a face begins (end: 0) or ends (1).
+double TransitMap::endAlong(Index f, Index h, double end) const {
+  const Index e = mesh().edge(h);
+  return positionIn(f, e, transit_->edgeFlow(e).along > 0 ? end : 1.0 - end);
+}
+
+/// The edges that flow runs along from where a piece enters a face.
+void TransitMap::addEdgesAlong(Index f, const EdgePiece& piece, std::vector<Index>& targets) const {
+  for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+    const Index e = mesh().edge(h);
+    if (transit_->edgeFlow(e).along == 0 || !meets({{endAlong(f, h, 0.0), 0.0}}, f, piece)) continue;
+    targets.push_back(nodeOf(places_[offsets_[e]].piece));
+  }
+}
+
 void TransitMap::enter(Index f, const EdgePiece& piece, std::vector<Index>& targets) const {
+  addEdgesAlong(f, piece, targets);
   const bool rests = piece.imageFrom == FaceTransit::kRest || piece.imageTo == FaceTransit::kRest;
   const bool stays = piece.imageFrom == piece.imageTo && rests;
   const Index slot = restSlot_[f];
@@ -421,7 +441,8 @@ void TransitMap::rowForAll(Index node, std::vector<Index>& targets) const {
 }
 
 bool TransitMap::isSettled(Index node) const {
-  if (!cones_ || !isPiece(node)) return false;
+  if (!isPiece(node)) return true;
+  if (!cones_) return piece(node).enters < 0 || transit_->isCoarse(piece(node).enters);
   const Index h = mesh().edgeHalfedge(piece(node).edge), twin = mesh().twin(h);
   return cones_->rests(TriangleMesh::face(h)) && (twin == kNone || cones_->rests(TriangleMesh::face(twin)));
 }
@@ -439,17 +460,24 @@ void TransitMap::row(Index node, std::vector<Index>& targets) const {
     });
   } else if (node < outside()) {
     const EdgePiece& piece = this->piece(node);
+    const Index h = mesh().edgeHalfedge(piece.edge);
     if (piece.enters == EdgePiece::kOutside) {
       targets.push_back(outside());
-    } else if (piece.enters != EdgePiece::kBothFaces) {
+    } else if (piece.enters >= 0) {
       enter(piece.enters, piece, targets);
+    } else if (piece.enters == EdgePiece::kBothFaces) {
+      for (const Index side : {h, mesh().twin(h)}) {
+        if (side == kNone) {
+          targets.push_back(outside());
+        } else {
+          enter(TriangleMesh::face(side), piece, targets);
+        }
+      }
     } else {
-      const Index h = mesh().edgeHalfedge(piece.edge), twin = mesh().twin(h);
-      enter(TriangleMesh::face(h), piece, targets);
-      if (twin == kNone) {
-        targets.push_back(outside());
-      } else {
-        enter(TriangleMesh::face(twin), piece, targets);
+      for (const Index side : {h, mesh().twin(h)}) {
+        if (side == kNone) continue;
+        const Index f = TriangleMesh::face(side);
+        eachExit(f, {endAlong(f, side, 1.0), 0.0}, [&](Index exit, const EdgePiece&) { targets.push_back(exit); });
       }
     }
   }
@@ -511,7 +539,7 @@ void TransitMap::appendFaces(Index node, std::vector<Index>& faces) const {
   } else if (node < outside()) {
     const EdgePiece& piece = this->piece(node);
     if (piece.enters >= 0) faces.push_back(piece.enters);
-    if (piece.enters != EdgePiece::kBothFaces) return;
+    if (piece.enters != EdgePiece::kBothFaces && piece.enters != EdgePiece::kAlong) return;
     const Index h = mesh().edgeHalfedge(piece.edge), twin = mesh().twin(h);
     faces.push_back(TriangleMesh::face(h));
     if (twin != kNone) faces.push_back(TriangleMesh::face(twin));

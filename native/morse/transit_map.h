@@ -9,7 +9,9 @@
 // one face at a time. Rows depend on their own pieces alone, so that any order of halving leads to the same map.
 //
 // Faces with a fixed point on an edge or at a vertex are known by the directions across their edges only: whatever
-// enters leads to rest and to all exits.
+// enters leads to rest and to all exits. An edge that the flow runs along is one piece, a trajectory that is crossed by
+// none: what enters a face beside its first end leads to it, and it leads to what leaves its two faces beside its other
+// end.
 //
 // With an error bound epsilon > 0 the map holds for every field within it (cone_transit.h), and what is said above
 // about the field is said about all of these: pieces that some cross one way and some the other enter both faces, a
@@ -35,10 +37,10 @@ namespace stormfield {
 
 /// Part of an edge, from one fraction of its canonical halfedge to another.
 struct EdgePiece {
-  static constexpr Index kOutside = -1, kBothFaces = -2;
+  static constexpr Index kOutside = -1, kBothFaces = -2, kAlong = -3;
 
   Index edge = kNone;
-  Index enters = kOutside;  ///< face
+  Index enters = kOutside;  ///< face; kAlong: none, it runs along the edge
   int level = 0;            ///< halvings
   double from = 0.0, to = 1.0;
   /// Where its ends leave the face that they enter (limits from within): FaceTransit's positions.
@@ -84,7 +86,7 @@ class TransitMap {
   void appendFaces(Index node, std::vector<Index>& faces) const;
   /// Per face whether some field within the bound can rest in it.
   const std::vector<char>& resting() const { return cones_ ? cones_->resting() : transit_->resting(); }
-  /// Whether halving a piece changes nothing: it lies between faces that are known by their exits only.
+  /// Whether halving changes nothing: what enters faces that are known by their exits only, or leaves the surface.
   bool isSettled(Index node) const;
   std::size_t bytes() const { return sizeof(EdgePiece) * pieces_.capacity(); }
 
@@ -117,6 +119,8 @@ class TransitMap {
   std::pair<double, double> jumpBetween(Index f, double first, double last) const;
   void enter(Index f, const EdgePiece& piece, std::vector<Index>& targets) const;
   bool meets(const std::vector<BoundaryArc>& arcs, Index f, const EdgePiece& piece) const;
+  double endAlong(Index f, Index h, double end) const;
+  void addEdgesAlong(Index f, const EdgePiece& piece, std::vector<Index>& targets) const;
 
   static Rest restOf(const FaceTransit& transit, Index f);
 

@@ -157,7 +157,7 @@ bool TransitRefinement::isOpen(Index set, int levels) const {
 }
 
 bool TransitRefinement::isOpenPiece(Index node, int levels) const {
-  return map_.isPiece(node) && map_.piece(node).level < levels && !map_.isSettled(node);
+  return !map_.isSettled(node) && map_.piece(node).level < levels;
 }
 
 bool TransitRefinement::fits() const {

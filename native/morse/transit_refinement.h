@@ -45,8 +45,10 @@
 namespace stormfield {
 
 struct TransitOptions {
-  int levels = 8;    ///< halvings of an edge, at most; a few more in small sets
-  int patience = 2;  ///< rounds in a row that halve a set's pieces and lose hardly any of them, until it is done
+  int levels = 8;  ///< halvings of an edge, at most; a few more in small sets
+  /// Rounds in a row that halve a set's pieces and lose hardly any of them, until it is done. A spiral that comes
+  /// nearer by a part c of its radius with each radian needs -log2(c), and some.
+  int patience = 5;
   double maximalSeconds = std::numeric_limits<double>::infinity();  ///< of wall time
   /// Bytes that pieces and graph may take, about; none: half of the memory of the machine.
   std::optional<std::size_t> memoryLimit{};

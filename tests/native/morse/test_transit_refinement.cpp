@@ -178,6 +178,64 @@ TEST(TransitRefinement, TakesFixedPointsOnEdgesWithBothFaces) {
   EXPECT_EQ(kinds(refined(field).morse), (std::map<std::string, int>{{"saddle", 1}, {"sink", 2}}));
 }
 
+TEST(TransitMap, EdgesThatFlowRunsAlongAreCrossedByNone) {
+  // Orbits that run along edges, one attracting and one repelling; all but them cross the edges beside them.
+  const Surface s = torus(16, 12);
+  const auto charts = makeCharts(s);
+  Points vectors(s.points.rows(), 3);
+  for (Eigen::Index v = 0; v < vectors.rows(); ++v) {
+    const Vec3 p = s.points.row(v), around = Vec3(-p.y(), p.x(), 0.0).normalized();
+    const Vec3 out = Vec3(p.x(), p.y(), 0.0).normalized();
+    const double cosine = (std::hypot(p.x(), p.y()) - 1.0) / 0.4, sine = p.z() / 0.4;
+    // Down the tube's circle to its inner side, along the mesh's rings.
+    vectors.row(v) = around + 0.7 * sine * (-sine * out + cosine * Vec3::UnitZ());
+  }
+  VectorField exact = fromSpace(charts, vectors);
+  const TriangleMesh& mesh = charts->mesh();
+  for (Index h = 0; h < 3 * mesh.faceCount(); ++h) {
+    const Index tail = mesh.tail(h), j = tail % 12;
+    const bool onRing = j % 6 == 0 && mesh.head(h) == (tail + 12) % mesh.vertexCount();
+    if (onRing) exact.values[tail] = std::polar(1.0, charts->tailAngle(h));
+  }
+  const auto field = std::make_shared<const VectorField>(exact);
+  const TransitMap map(flatFaces(*field), field);
+  int along = 0;
+  for (Index e = 0; e < mesh.edgeCount(); ++e) along += map.transit().edgeFlow(e).along != 0;
+  EXPECT_EQ(along, 2 * 16);
+  for (Index p = 0; p < map.pieceCount(); ++p) {
+    const EdgePiece& piece = map.piece(map.nodeOf(p));
+    EXPECT_EQ(piece.enters == EdgePiece::kAlong, map.transit().edgeFlow(piece.edge).along != 0);
+    EXPECT_NE(piece.enters, EdgePiece::kBothFaces);
+  }
+  EXPECT_EQ(kinds(refined(field).morse), (std::map<std::string, int>{{"attracting", 1}, {"repelling", 1}}));
+}
+
+TEST(TransitRefinement, LeavesPiecesThatHalvingDoesNotHelp) {
+  // A field along one family of edges, and lines of zeros: rows of halves of coarse pieces would each hold all halves.
+  const auto pieces = [](const FieldPointer& field) {
+    TransitRefinement refinement(flatFaces(*field), field);
+    EXPECT_EQ(refinement.refine(), RefinementStop::Done);
+    return refinement.map().pieceCount();
+  };
+  const Surface s = grid(12);
+  const Index edges = makeCharts(s)->mesh().edgeCount();
+  EXPECT_LE(pieces(planar(s, [](double, double) { return Vec3(1.0, 0.0, 0.0); })), edges);
+  EXPECT_LE(pieces(planar(s, [](double x, double) { return Vec3(x, 0.0, 0.0); })), edges);
+  EXPECT_LE(pieces(planar(s, [](double x, double) { return Vec3(std::max(x, 0.0), 0.0, 0.0); })), 2 * edges);
+  EXPECT_LE(pieces(planar(s, [](double, double) { return Vec3(0.0, 0.0, 0.0); })), edges);
+}
+
+TEST(TransitRefinement, FindsTheCenterOfAWeakSpiral) {
+  for (const double decay : {0.1, 0.04}) {
+    const FieldPointer field =
+        planar(grid(10, 0.2), [&](double x, double y) { return Vec3(-y - decay * x, x - decay * y, 0.0); });
+    const TransitDecomposition found = refined(field, {}, true);
+    ASSERT_EQ(found.morse.sets.size(), 1U) << decay;
+    EXPECT_EQ(found.morse.sets[0].kind, MorseKind::Sink) << decay;
+    EXPECT_LT(found.morse.covers[0].size(), 30U) << decay;
+  }
+}
+
 TEST(TransitRefinement, DoesNotDependOnThreads) {
   const FieldPointer field = random(icosphere(1), 5);
   const TransitDecomposition all = refined(field);
