@@ -17,7 +17,7 @@ namespace stormfield {
 namespace {
 
 /// Largest error of one step, in mean edges and as a part of its length; steps within one face.
-constexpr double kTolerance = 1e-8, kRelative = 1e-6;
+constexpr double kTolerance = 1e-7, kRelative = 2e-6;
 constexpr int kMostSteps = 400;
 /// Where no closed form holds: a step's part of the longest side, at most and at least, and of the distance from the
 /// nearest corner, and how many there are before the closed form is tried again.

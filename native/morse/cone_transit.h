@@ -55,7 +55,7 @@ struct LeavingArcs {
 class ConeTransit {
  public:
   /// Radians, of the extremes beyond alpha.
-  static constexpr double kSpare = 1e-6;
+  static constexpr double kSpare = 1e-5;
 
   /// faces: of the field's mesh. weights: one per vertex, factors of epsilon; empty for 1 everywhere. Throws InputError
   /// for an epsilon or weights that are not numbers >= 0.
