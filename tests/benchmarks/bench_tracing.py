@@ -77,7 +77,7 @@ def bench_streamlines_beside_vtk(cuts):
     print(f"\n{surface.face_count} faces, {len(faces)} seeds, {LENGTH:g} edges: {crossings} edge crossings")
 
     quoted = None
-    for tolerance in (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7):
+    for tolerance in (1e-4, 3e-5, 1e-5, 3e-6, 2e-6, 1e-6, 3e-7, 1e-7):
         processor, wall, traces = timed(lambda t=tolerance: ours(t), 5)
         both = whole & np.array([reason == "length" for reason in traces.reasons])
         errors = np.linalg.norm(traces.points[traces.offsets[1:] - 1] - exact.points[last], axis=1)[both] / edge
