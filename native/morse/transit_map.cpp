@@ -491,11 +491,18 @@ CombinatorialMap TransitMap::map(Progress* progress) const {
   eachNode([&](Index node) { nodes.push_back(node); });
   nodes.push_back(outside());
   std::iota(place.begin(), place.end(), 0);
-  return {graphAmong(nodes, place, progress)};
+  return {graphByPlace(nodes, place, progress)};
 }
 
-DirectedGraph TransitMap::graphAmong(const std::vector<Index>& nodes, const std::vector<Index>& place,
-                                     Progress* progress) const {
+DirectedGraph TransitMap::graphAmong(const std::vector<Index>& nodes, Progress* progress) const {
+  std::vector<Index> place(static_cast<std::size_t>(outside()) + 1, kNone);
+  for (std::size_t i = 0; i < nodes.size(); ++i) place[nodes[i]] = static_cast<Index>(i);
+  return graphByPlace(nodes, place, progress);
+}
+
+/// place: of each node of the map in the graph, kNone for those that are not among the nodes.
+DirectedGraph TransitMap::graphByPlace(const std::vector<Index>& nodes, const std::vector<Index>& place,
+                                       Progress* progress) const {
   std::vector<std::vector<Index>> blocks((nodes.size() + kGrain - 1) / kGrain);
   const auto eachBlock = [&](const auto& body) {
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {

@@ -79,9 +79,8 @@ class TransitMap {
     for (Index f = 0; f < mesh().faceCount(); ++f) visit(f);
     for (const Place& place : places_) visit(nodeOf(place.piece));
   }
-  /// The edges among some nodes, by their places: one for each node of the map, kNone for those that are not among
-  /// them.
-  DirectedGraph graphAmong(const std::vector<Index>& nodes, const std::vector<Index>& place, Progress* progress) const;
+  /// The edges among some nodes, by their places in the list.
+  DirectedGraph graphAmong(const std::vector<Index>& nodes, Progress* progress) const;
   /// Appends the faces that a node lies in, or that flow enters through it.
   void appendFaces(Index node, std::vector<Index>& faces) const;
   /// Per face whether some field within the bound can rest in it.
@@ -108,6 +107,8 @@ class TransitMap {
   };
 
   Place placeOf(Index piece) const { return {pieces_[piece].to, piece, pieces_[piece].enters}; }
+  DirectedGraph graphByPlace(const std::vector<Index>& nodes, const std::vector<Index>& place,
+                             Progress* progress) const;
   double positionIn(Index f, Index edge, double fraction) const;
   void cut(const EdgePiece& piece, Cuts& cuts) const;
   void cutAtJumps(const EdgePiece& piece, const Rest& rest, Cuts& cuts) const;

@@ -21,6 +21,15 @@ constexpr int kSmallSet = 500, kLevelsOfSmall = 6, kLevelsByHand = 4;
 /// Memory per node, of the map and the graph.
 constexpr std::size_t kBytesPerNode = 200;
 
+/// Of each of so many nodes the set that it is in, or kNone.
+std::vector<Index> setOfNodes(const std::vector<std::vector<Index>>& sets, Index count) {
+  std::vector<Index> result(count, kNone);
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    for (const Index node : sets[s]) result[node] = static_cast<Index>(s);
+  }
+  return result;
+}
+
 /// The members of the recurrent components, ascending; components by their first members.
 std::vector<std::vector<Index>> recurrentMembers(const Components& components, const std::vector<Index>& nodes) {
   std::vector<Index> number(components.count(), kNone);
@@ -139,9 +148,7 @@ TransitRefinement TransitRefinement::within(double epsilon, Progress* progress) 
 void TransitRefinement::findSets(Progress* progress) {
   std::vector<Index> nodes(map_.outside());
   std::iota(nodes.begin(), nodes.end(), 0);
-  std::vector<Index> place = nodes;
-  place.push_back(kNone);
-  nodes_ = recurrentMembers(stronglyConnectedComponents(map_.graphAmong(nodes, place, progress)), nodes);
+  nodes_ = recurrentMembers(stronglyConnectedComponents(map_.graphAmong(nodes, progress)), nodes);
   trials_.assign(nodes_.size(), {});
   ways_.clear();
   level_ = 0;
@@ -236,17 +243,15 @@ bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, P
   }
   for (const Index s : chosen) trials_[s].halved = true;
 
-  std::vector<Index> members, setOf(map_.outside(), kNone), place(static_cast<std::size_t>(map_.outside()) + 1, kNone);
+  std::vector<Index> members, setOf(map_.outside(), kNone);
   for (const Index s : chosen) {
     for (const Index node : nodes_[s]) setOf[node] = s;
   }
   map_.eachNode([&](Index node) {
-    if (setOf[node] == kNone) return;
-    place[node] = static_cast<Index>(members.size());
-    members.push_back(node);
+    if (setOf[node] != kNone) members.push_back(node);
   });
   std::vector<std::vector<Index>> parts =
-      recurrentMembers(stronglyConnectedComponents(map_.graphAmong(members, place, progress)), members);
+      recurrentMembers(stronglyConnectedComponents(map_.graphAmong(members, progress)), members);
 
   bool changed = false;
   std::vector<std::vector<Index>> kept;
@@ -274,18 +279,14 @@ bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, P
 /// Halves the pieces on ways from one set that flow passes through to another; false when nothing is left. Sources and
 /// sinks do not matter here: their ways fill the surface.
 bool TransitRefinement::refineWays(Progress* progress) {
-  std::vector<Index> nodes, setOf(map_.outside(), kNone);
+  const std::vector<Index> setOf = setOfNodes(nodes_, map_.outside());
+  std::vector<Index> nodes;
   std::vector<char> isOnWay(map_.outside(), ways_.empty() ? 1 : 0);
   for (const Index node : ways_) isOnWay[node] = 1;
   map_.eachNode([&](Index node) {
     if (isOnWay[node] != 0) nodes.push_back(node);
   });
-  for (std::size_t s = 0; s < nodes_.size(); ++s) {
-    for (const Index node : nodes_[s]) setOf[node] = static_cast<Index>(s);
-  }
-  std::vector<Index> place(static_cast<std::size_t>(map_.outside()) + 1, kNone);
-  for (std::size_t i = 0; i < nodes.size(); ++i) place[nodes[i]] = static_cast<Index>(i);
-  const DirectedGraph graph = map_.graphAmong(nodes, place, progress);
+  const DirectedGraph graph = map_.graphAmong(nodes, progress);
 
   std::vector<char> leads(nodes_.size(), ways_.empty() ? 0 : 1), isLedTo = leads;
   for (Index i = 0; i < graph.nodeCount(); ++i) {
@@ -343,11 +344,7 @@ TransitDecomposition TransitRefinement::decomposition(bool keepEmpty, bool keepT
   std::iota(nodes.begin(), nodes.end(), 0);
   std::vector<std::vector<Index>> members = recurrentMembers(components, nodes);
   const auto setsOf = [&] {
-    std::vector<Index> setOf(graph.nodeCount(), kNone);
-    for (std::size_t s = 0; s < members.size(); ++s) {
-      for (const Index node : members[s]) setOf[node] = static_cast<Index>(s);
-    }
-    return FaceSets(std::move(setOf), static_cast<Index>(members.size()));
+    return FaceSets(setOfNodes(members, graph.nodeCount()), static_cast<Index>(members.size()));
   };
   std::vector<std::vector<Index>> covers = facesMet(map_, result.map, setsOf());
   progress.check();
