@@ -18,7 +18,8 @@ constexpr double kLeft = 0.3, kUnseen = 0.1;
 /// By how much a step bends chords, as a part of the gradient's turn; less in one face, where the field is all but
 /// linear. And the most by which one step is taken to draw them out (its logarithm).
 constexpr double kFed = 0.025, kFedInFace = 0.1, kMostGrowth = 3.0;
-/// Chords shorter than this part of a face show what lies between their ends, but for this part of their length.
+/// Chords shorter than this part of a face show what lies between their ends, but for this part of their length. In
+/// Morse sets, where images are followed for long, all of them are taken to.
 constexpr double kShort = 0.25, kShown = 0.25;
 /// Padding around chords: this part of how far images may leave them, and of chord and face size at least.
 constexpr double kPadding = 1.0, kChordPadding = 0.01, kLeastPadding = 2e-3;
@@ -257,6 +258,7 @@ double EdgeImageMaker::grown(const Interval& interval, const Arrival& a, const A
   const bool inOneFace = f == left && f == right;
   const double fed = kFed * (inOneFace ? kFedInFace : 1.0) * std::min(bending * step, 1.0) * shape.longest;
   const double drawn = std::exp(std::min(growth * step, kMostGrowth)) * interval.away + fed;
+  if (windows_ != nullptr) return std::min(drawn, kShown * shape.longest);
   if (std::max(interval.chords[0], interval.chords[1]) > kShort * shape.size) return drawn;
   const double spread = std::exp(std::min(spreading * step, kMostGrowth)) * shorter * interval.away + fed;
   return std::min(drawn, std::max(spread, kShown * shape.longest));

@@ -9,8 +9,9 @@
 // tears the edge (one part leaves the surface, another touches the boundary and goes on) or stretches it beyond double
 // precision, the faces along the trajectories between the two parts are collected.
 //
-// Inside a Morse set an image is followed in steps, and only as long as it comes back to the set (set_windows.h): what
-// a step takes away from it is not sampled further.
+// Inside a Morse set an image is followed only as long as it comes back to the set (set_windows.h): what a step takes
+// away from it is not sampled further. There, where images go on for long, how far they leave chords is bounded by a
+// part of the chords' length, which is less careful than elsewhere.
 //
 // The samples of many edges are traced side by side. An image does not depend on the others.
 #pragma once

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "base/message.h"
+#include "morse/recurrence.h"
 #include "morse/unit_speed_flow.h"
 #include "tracing/side_by_side.h"
 
@@ -205,6 +206,7 @@ TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit,
     along_ = prepareFaces(faces, SteadyFlow(field.values.data(), rateOf(Direction::Forward)));
     against_ = prepareFaces(faces, SteadyFlow(field.values.data(), rateOf(Direction::Backward)));
   }
+  resting_ = restingFaces(field);
   measureFaces();
   checkError(mesh(), error);
   if (error.epsilon > 0.0) parting_ = std::make_unique<const Parting>(faces, field, unit, growth_, slowSpeeds_, error);

@@ -65,6 +65,8 @@ class TauFlow {
   std::unique_ptr<Mover> mover(Direction direction, const Progress* progress) const;
   /// Whether the field points out of the surface somewhere on a boundary halfedge.
   bool flowsOut(Index h) const { return flowsOut_[h] != 0; }
+  /// Whether the face holds a fixed point (recurrence.h).
+  bool rests(Index f) const { return resting_[f] != 0; }
   /// How fast the flow draws curves apart and bends them in a face, per unit of tau: the largest rates at which a
   /// vector and an area grow there (less than 0 where all shrink), and the size of the field's gradient.
   double growth(Index f) const { return growth_[f]; }
@@ -81,7 +83,7 @@ class TauFlow {
   TauUnit unit_;
   double tolerance_, stepTau_;
   std::vector<double> slowSpeeds_, growth_, divergence_, bending_;
-  std::vector<char> flowsOut_;
+  std::vector<char> flowsOut_, resting_;
   std::unique_ptr<FaceFlow[]> along_, against_;  ///< per face, for movers in time
   std::unique_ptr<const Parting> parting_;       ///< where there is an error
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -22,9 +23,6 @@ namespace {
 constexpr double kRound = 16.0;
 /// A part of a set that is slower than the whole by more than this factor goes on with a tau of its own.
 constexpr double kSlower = 0.5;
-/// Steps that an image is followed in, at most, and the turn of the field along a step.
-constexpr int kMostSteps = 128;
-constexpr double kTurnOfStep = 0.8;
 
 void checkTau(const std::optional<double>& tau, const char* name) {
   if (!tau || (*tau > 0.0 && std::isfinite(*tau))) return;
@@ -82,6 +80,7 @@ MorseRefinement::MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::sh
   rows_.resize(coarse.outside());
   taus_.assign(coarse.outside(), 0.0);
   for (Index f = 0; f < coarse.outside(); ++f) rows_[f].assign(coarse.graph.begin(f), coarse.graph.end(f));
+  order_ = stronglyConnectedComponents(coarse.graph).of;
   Progress silent;
   MorseOptions morseOptions;
   morseOptions.resting = resting_;
@@ -208,17 +207,13 @@ double MorseRefinement::doneFraction() const {
   return std::min(0.99, done / all);
 }
 
-/// Steps that the field changes little in, of the faces of the set by their mean, and the sets on the way.
+/// The sets that images at the next tau are followed in.
 SetWindows MorseRefinement::windowsOf(Index set) const {
   const Trial& trial = trials_[set];
   const double tau = nextTau(trial);
-  double bending = 0.0;
-  for (const Index f : sets_.faces(set)) bending += flow_->bending(f) / static_cast<double>(sets_.faces(set).size());
-  double longest = kTurnOfStep / bending;
-  if (!trial.ancestors.empty()) longest = std::min(longest, trial.ancestors.front().tau);
   SetWindows windows;
   windows.memoryLimit = options_.map.memoryLimit.value_or(halfOfMemory());
-  while (windows.steps < kMostSteps && tau / windows.steps > 1.5 * longest) windows.steps *= 2;
+  windows.steps = stepsOf(*flow_, tau);
   for (int level = 1; level < windows.steps; level *= 2) {
     SharedFaces faces;
     for (const Ancestor& ancestor : trial.ancestors) {
@@ -252,13 +247,8 @@ std::vector<char> MorseRefinement::refineAll(const std::vector<Index>& chosen, P
     const std::vector<Index>& members = sets_.faces(chosen[i]);
     const auto& [offsets, targets] = computed[i];
     for (std::size_t k = 0; k < members.size(); ++k) {
-      std::vector<Index>& row = seen[members[k]];
-      row.assign(targets.data() + offsets[k], targets.data() + offsets[k + 1]);
-      // A fixed point stays, though its face may be drawn out beyond what samples of the edges can tell.
-      const auto at = std::lower_bound(row.begin(), row.end(), members[k]);
-      const bool loops = at != row.end() && *at == members[k];
-      if (resting_[members[k]] != 0 && !loops) row.insert(at, members[k]);
-      setRow(members[k], row.data(), row.data() + row.size());
+      seen[members[k]].assign(targets.data() + offsets[k], targets.data() + offsets[k + 1]);
+      rows_[members[k]] = rowAfter(members[k], seen[members[k]]);
       taus_[members[k]] = nextTau(trials_[chosen[i]]);
     }
     work_.traces += work[i].traces;
@@ -268,21 +258,22 @@ std::vector<char> MorseRefinement::refineAll(const std::vector<Index>& chosen, P
   return replace(chosen, std::move(seen));
 }
 
-/// The row of a face of a set at a larger tau. What the row before led to outside the set is not seen any more, and
-/// stays.
-void MorseRefinement::setRow(Index face, const Index* begin, const Index* end) {
-  std::vector<Index>& row = rows_[face];
-  const auto leads = [&](Index target) {
-    return target == faces_->mesh().faceCount() || sets_.setOf(target) != sets_.setOf(face);
+/// The row of a face of a set at its next tau: what stays in the set is new. What leads out of it stays, or, at the
+/// first tau, is what comes after the set in the geometry-based map.
+std::vector<Index> MorseRefinement::rowAfter(Index face, const std::vector<Index>& seen) const {
+  const auto stays = [&](Index target) {
+    return target != faces_->mesh().faceCount() && sets_.setOf(target) == sets_.setOf(face);
   };
-  if (taus_[face] == 0.0) {
-    row.clear();
-  } else {
-    row.erase(std::remove_if(row.begin(), row.end(), [&](Index target) { return !leads(target); }), row.end());
+  const bool first = taus_[face] == 0.0;
+  std::vector<Index> row;
+  for (const Index target : seen) {
+    if (stays(target) || (first && order_[target] < order_[face])) row.push_back(target);
   }
-  row.insert(row.end(), begin, end);
-  std::sort(row.begin(), row.end());
-  row.erase(std::unique(row.begin(), row.end()), row.end());
+  if (first) return row;
+  const auto middle = static_cast<std::ptrdiff_t>(row.size());
+  std::copy_if(rows_[face].begin(), rows_[face].end(), std::back_inserter(row), [&](Index t) { return !stays(t); });
+  std::inplace_merge(row.begin(), row.begin() + middle, row.end());
+  return row;
 }
 
 /// Puts the components of the chosen sets in their place; whether each of them changed.

@@ -4,10 +4,23 @@
 // In each round the sets of highest priority (thesis 8.3) are refined: all faces of a set get rows of one tau for what
 // stays in the set, keep those that lead out of it, and the strongly connected components inside the set take its
 // place. What a set splits into stays within it, the other sets and the order between sets do not change
-// (thesis 8.2.1), so that every round leaves a valid decomposition. Images are followed only while they come back to
-// the set (set_windows.h), so that a larger tau, with fewer points that stay, costs little. A set is done when its
-// priority is low, when its tau would exceed the limit, or when doubling no longer changes it. What shares faces stays
-// together whatever tau is: transit_refinement.h goes on from there.
+// (thesis 8.2.1), so that every round leaves a valid decomposition. A set is done when its priority is low, when its
+// tau would exceed the limit, or when doubling no longer changes it. What shares faces stays together whatever tau is:
+// transit_refinement.h goes on from there.
+//
+// The result is that of a recomputation from taus(). Let G be the geometry-based map and S(0), S(1), ... the sets that
+// a face f was in when it got its taus t(1), t(2), ..., t(k). R(i) has the rows of S(i-1) at t(i), of images that are
+// followed only while they come back to the sets before (tauRowsInside; a larger tau, with fewer points that stay, then
+// costs little), and S(i) is a strongly connected component of R(i) restricted to S(i-1). The refinement's map has from
+// f the edges
+//     of R(1) to S(0) without S(1), and to what comes after S(0) in a total order of the components of G (padding that
+//          leads back is left out, which no trajectory does),
+//     of R(i) to S(i-1) without S(i), for 1 < i < k,
+//     of R(k) to S(k-1),
+// and its strongly connected sets that can recur are sets(). Both depend on the field, the options and taus() alone:
+// not on the order of refinement, the other sets, limits or threads. Images that are followed everywhere give further
+// edges where what has left for ever comes as near as the padding again: of 180 refinements of random fields on meshes
+// of 54 to 108 faces, 170 had the same sets then too, and 10 had not.
 //
 //   MorseRefinement refinement(faces, field, {.tauMax = 0.5});
 //   const RefinementStop stop = refinement.refine(&progress);
@@ -69,7 +82,7 @@ class MorseRefinement {
   /// The tau of every face's row; 0 where it is the geometry-based one.
   const std::vector<double>& taus() const { return taus_; }
   /// F: from every face to where its points are at taus(), or, if they leave a set that the face was part of, to where
-  /// they are at the first smaller tau (halved until the first one of the face) that finds them outside.
+  /// they are at the first smaller tau that finds them outside. Its strongly connected sets that can recur are sets().
   CombinatorialMap map() const;
   /// Refinements of one set so far, and the traces they took.
   Index steps() const { return steps_; }
@@ -99,7 +112,7 @@ class MorseRefinement {
   std::vector<char> replace(const std::vector<Index>& chosen, std::vector<std::vector<Index>> seen);
   double doneFraction() const;
   SetWindows windowsOf(Index set) const;
-  void setRow(Index face, const Index* begin, const Index* end);
+  std::vector<Index> rowAfter(Index face, const std::vector<Index>& seen) const;
 
   std::shared_ptr<const FlatFaces> faces_;
   std::shared_ptr<const VectorField> field_;
@@ -107,6 +120,7 @@ class MorseRefinement {
   std::shared_ptr<const TauFlow> flow_;
   std::vector<int> poincare_;
   std::vector<char> resting_;
+  std::vector<Index> order_;  ///< components of the geometry-based map: edges lead to the same or a lower one
 
   std::vector<std::vector<Index>> rows_;  ///< of F, per face
   std::vector<double> taus_;

@@ -133,13 +133,6 @@ class StepwiseMoves final : public Moves {
   std::array<Point, kLanes> points_;
 };
 
-constexpr double kMostSteps = 64.0;
-
-/// Images are followed in steps that the field changes little in.
-int stepsOf(const TauFlow& flow, double tau) {
-  return static_cast<int>(std::clamp(std::ceil(tau / flow.stepTau()), 1.0, kMostSteps));
-}
-
 class RowMaker {
  public:
   RowMaker(const TauFlow& flow, const std::vector<Index>& faces, double tau, const SetWindows* windows,
@@ -149,7 +142,7 @@ class RowMaker {
         faces_(faces),
         tau_(tau),
         windows_(windows),
-        steps_(windows == nullptr ? stepsOf(flow, tau) : windows->steps),
+        steps_(stepsOf(flow, tau)),
         progress_(progress),
         budget_(memoryLimit),
         vertices_(mesh_.vertexCount()),
@@ -291,13 +284,12 @@ class RowMaker {
   }
 
   void traceBack(const std::vector<Index>& vertices) {
-    const int steps = windows_ == nullptr ? 1 : steps_;
     follow(
-        vertices.size(), Direction::Backward, steps, [&](std::size_t i) { return vertexPoint(mesh_, vertices[i]); },
+        vertices.size(), Direction::Backward, steps_, [&](std::size_t i) { return vertexPoint(mesh_, vertices[i]); },
         [&](std::size_t i, int step, const Arrival& at) {
-          const bool inSight = !at.left && (step == steps || isInSight(steps - step, at));
+          const bool inSight = !at.left && (step == steps_ || isInSight(steps_ - step, at));
           origins_[vertices[i]] = inSight ? at.point.face : kOutside;
-          return inSight && step < steps;
+          return inSight && step < steps_;
         });
   }
 
@@ -325,6 +317,11 @@ class RowMaker {
     }
     sortOnce(row);
     fill(face, scratch);
+    // A fixed point stays, though its face may be drawn out beyond what samples of the edges can tell.
+    if (flow_.rests(face)) {
+      row.push_back(face);
+      sortOnce(row);
+    }
     for (const Index f : row) {
       for (int k = 0; k < 3 && !leaves; ++k) leaves = flow_.flowsOut(TriangleMesh::halfedge(f, k));
     }
@@ -432,6 +429,13 @@ class RowMaker {
 };
 
 }  // namespace
+
+int stepsOf(const TauFlow& flow, double tau) {
+  constexpr int kMost = 128;
+  int steps = 1;
+  while (steps < kMost && tau / steps > 1.5 * flow.stepTau()) steps *= 2;
+  return steps;
+}
 
 TauRows tauRows(const TauFlow& flow, const std::vector<Index>& faces, double tau, std::size_t memoryLimit,
                 Progress* progress, TauWork* work) {

@@ -18,6 +18,9 @@ struct TauRows {
   std::vector<Index> targets;
 };
 
+/// Images are followed in so many steps, a power of two, which the field changes little in.
+int stepsOf(const TauFlow& flow, double tau);
+
 /// The rows of `faces` (ascending, each once). Throws InputError when they need more than memoryLimit bytes, and
 /// Cancelled.
 TauRows tauRows(const TauFlow& flow, const std::vector<Index>& faces, double tau, std::size_t memoryLimit,
