@@ -7,6 +7,9 @@
 // it does so within a factor of kPersistenceStep below. The first step is a millionth of the largest speed. Each step
 // that is looked at costs a map of all pieces.
 //
+// Faces that hold a fixed point are known by their exits only as soon as there is an error bound (cone_transit.h), so
+// that sets that meet in such a face merge at the first step: their persistence is a lower bound.
+//
 //   const std::vector<double> persistence = transitPersistence(refinement, decomposition.nodes, progress);
 #pragma once
 
