@@ -31,8 +31,7 @@ constexpr double kWithin = 2e-6, kWithinTouch = 1e-3;
 constexpr double kJump = 2e-6;
 constexpr int kMostJumps = 16;
 
-EdgeFlow edgeFlowOf(const VectorField& field, Index e) {
-  const EndVectors ends = endVectors(field, field.mesh().edgeHalfedge(e));
+EdgeFlow edgeFlowOf(const EndVectors& ends) {
   const double tail = ends.tail.imag(), head = ends.head.imag();
   if (restsOnEdge(ends)) return {};
   if (tail == 0.0 && head == 0.0) return {.along = ends.tail.real() > 0.0 ? 1 : -1};
@@ -94,12 +93,16 @@ struct FaceTransit::Arcs {
 FaceTransit::FaceTransit(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field)
     : faces_(std::move(faces)),
       field_(std::move(field)),
+      ends_(mesh().edgeCount()),
       edges_(mesh().edgeCount()),
       poincare_(poincareIndices(*field_)),
       resting_(restingFaces(*field_)),
       coarse_(mesh().faceCount(), 0),
       along_(prepareFaces(*faces_, SteadyFlow(field_->values.data(), 1.0))) {
-  tbb::parallel_for(Index{0}, mesh().edgeCount(), [&](Index e) { edges_[e] = edgeFlowOf(*field_, e); });
+  tbb::parallel_for(Index{0}, mesh().edgeCount(), [&](Index e) {
+    ends_[e] = endVectors(*field_, mesh().edgeHalfedge(e));
+    edges_[e] = edgeFlowOf(ends_[e]);
+  });
   for (Index f = 0; f < mesh().faceCount(); ++f) {
     for (Index h = 3 * f; h < 3 * f + 3; ++h) coarse_[f] |= edges_[mesh().edge(h)].isOpen();
     coarse_[f] |= std::abs(poincare_[f]) > 1;
@@ -175,6 +178,29 @@ bool FaceTransit::touchesAt(Index f, double position) const {
   if (at == std::floor(at)) return false;
   const Index h = TriangleMesh::halfedge(f, static_cast<int>(at)), e = mesh().edge(h);
   return edges_[e].turn < 1.0 && edges_[e].touchesWithin == (mesh().edgeHalfedge(e) == h);
+}
+
+/// With a sine s of the angle between flow and side that grows by g along the side, an error d across the flow is one
+/// of d / s along it; where s vanishes, of the order of sqrt(d / g). It falls more slowly than the position goes on, so
+/// that a wider arc stays wider.
+double FaceTransit::slackAt(Index f, double position) const {
+  const double at = std::fmod(position, 3.0);
+  const Index h = TriangleMesh::halfedge(f, static_cast<int>(at)), e = mesh().edge(h);
+  const double fraction = at - std::floor(at), t = mesh().edgeHalfedge(e) == h ? fraction : 1.0 - fraction;
+  const auto [tail, head] = ends_[e];
+  const Complex there = (1.0 - t) * tail + t * head;
+  const double speed = std::abs(there);
+  if (speed == 0.0) return kSlack;
+  const double sine = std::abs(there.imag()) / speed, growth = std::abs(head.imag() - tail.imag()) / speed;
+  return kSlack / std::max(std::max(sine, 2.0 * std::sqrt(kSlack * growth)), kSlack);
+}
+
+BoundaryArc FaceTransit::widened(Index f, const BoundaryArc& arc) const {
+  const double end = arc.begin + arc.length;
+  // Beyond the corner the flow meets another side at another angle.
+  const double before = std::min(slackAt(f, arc.begin), arc.begin - std::floor(arc.begin) + kSlack);
+  const double after = std::min(slackAt(f, end), std::ceil(end) - end + kSlack);
+  return {arc.begin - before, before + arc.length + after};
 }
 
 double FaceTransit::leavesFromEnd(Index f, double end, double otherEnd) const {

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "combinatorial/geometry_map.h"
 #include "field/vector_field.h"
 #include "tracing/face_flow.h"
 #include "tracing/flat_faces.h"
@@ -54,7 +55,8 @@ struct TransitPart {
 class FaceTransit {
  public:
   static constexpr double kRest = -1.0;
-  /// Accuracy of positions: images are enclosed with so much to spare.
+  /// Accuracy of positions across the flow: images are enclosed with so much to spare, and more where trajectories
+  /// graze the side that they leave over (widened).
   static constexpr double kSlack = 1e-5;
 
   FaceTransit(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field);
@@ -78,6 +80,9 @@ class FaceTransit {
   std::pair<BoundaryArc, bool> arcOfBoth(Index f, double a, double b) const;
   /// Whether the trajectory through an end of an arc touches the boundary there from within the face.
   bool touchesAt(Index f, double position) const;
+  /// An arc over which trajectories leave, widened by the accuracy of its ends: what is kSlack across the flow is more
+  /// along a side that the flow grazes.
+  BoundaryArc widened(Index f, const BoundaryArc& arc) const;
   /// The arc of exit that a position lies in, or the nearest one. Length 0 when there is none.
   BoundaryArc arcOf(Index f, double position, Direction direction = Direction::Forward) const;
 
@@ -86,11 +91,13 @@ class FaceTransit {
 
  private:
   struct Arcs;
+  double slackAt(Index f, double position) const;
   Arcs arcs(Index f, Direction direction) const;
   double leavesSlowly(Index f, const SurfacePoint& from, Direction direction) const;
 
   std::shared_ptr<const FlatFaces> faces_;
   std::shared_ptr<const VectorField> field_;
+  std::vector<EndVectors> ends_;  ///< of each edge, along its canonical halfedge
   std::vector<EdgeFlow> edges_;
   std::vector<int> poincare_;
   std::vector<char> resting_, coarse_;

@@ -286,13 +286,18 @@ std::vector<std::size_t> TransitMap::halve(const std::vector<Index>& nodes, Prog
 /// visit(node, piece) for the pieces within the slack of an arc over which flow leaves a face.
 template <typename Visit>
 void TransitMap::eachExit(Index f, const BoundaryArc& arc, const Visit& visit) const {
+  // The extremes of all fields are turned to spare (cone_transit.h).
+  constexpr double kSlack = FaceTransit::kSlack;
+  const BoundaryArc reach = cones_ || arc.length >= kAround.length
+                                ? BoundaryArc{arc.begin - kSlack, arc.length + 2.0 * kSlack}
+                                : transit_->widened(f, arc);
   for (Index h = 3 * f; h < 3 * f + 3; ++h) {
     const Index e = mesh().edge(h);
     const bool canonical = mesh().edgeHalfedge(e) == h;
     for (const int turn : {-3, 0, 3}) {
       const double side = TriangleMesh::corner(h) + turn;
-      double from = arc.begin - FaceTransit::kSlack - side;
-      double to = arc.begin + arc.length + FaceTransit::kSlack - side;
+      double from = reach.begin - side;
+      double to = reach.begin + reach.length - side;
       if (from > 1.0 || to < 0.0) continue;
       if (!canonical) {
         std::swap(from, to);
