@@ -184,15 +184,17 @@ bool FaceTransit::touchesAt(Index f, double position) const {
 /// of d / s along it; where s vanishes, of the order of sqrt(d / g). It falls more slowly than the position goes on, so
 /// that a wider arc stays wider.
 double FaceTransit::slackAt(Index f, double position) const {
-  const double at = std::fmod(position, 3.0);
-  const Index h = TriangleMesh::halfedge(f, static_cast<int>(at)), e = mesh().edge(h);
-  const double fraction = at - std::floor(at), t = mesh().edgeHalfedge(e) == h ? fraction : 1.0 - fraction;
+  const double at = position < 0.0 ? position + 3.0 : position < 3.0 ? position : position - 3.0;
+  const int side = std::min(2, static_cast<int>(at));
+  const Index h = TriangleMesh::halfedge(f, side), e = mesh().edge(h);
+  const double fraction = at - side, t = mesh().edgeHalfedge(e) == h ? fraction : 1.0 - fraction;
   const auto [tail, head] = ends_[e];
-  const Complex there = (1.0 - t) * tail + t * head;
-  const double speed = std::abs(there);
-  if (speed == 0.0) return kSlack;
-  const double sine = std::abs(there.imag()) / speed, growth = std::abs(head.imag() - tail.imag()) / speed;
-  return kSlack / std::max(std::max(sine, 2.0 * std::sqrt(kSlack * growth)), kSlack);
+  const double along = (1.0 - t) * tail.real() + t * head.real(), across = (1.0 - t) * tail.imag() + t * head.imag();
+  const double speed = std::sqrt(along * along + across * across);
+  const double growth = std::abs(head.imag() - tail.imag());
+  double least = std::max(std::abs(across), kSlack * speed);
+  if (least * least < 4.0 * kSlack * growth * speed) least = 2.0 * std::sqrt(kSlack * growth * speed);
+  return least > 0.0 ? kSlack * speed / least : kSlack;
 }
 
 BoundaryArc FaceTransit::widened(Index f, const BoundaryArc& arc) const {
