@@ -2,8 +2,8 @@
 
 #include "bindings/bindings.h"
 #include "bindings/job.h"
-#include "combinatorial/geometry_map.h"
-#include "morse/tau_map.h"
+#include "maps/geometry_map.h"
+#include "maps/tau_map.h"
 
 namespace stormfield::bindings {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/job.h"
-#include "topology/tracking_persistence.h"
+#include "tracking/persistence.h"
 
 namespace stormfield::bindings {
 namespace {

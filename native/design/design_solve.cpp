@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "design/detail/region.h"
 #include "design/even_speed.h"
-#include "design/region.h"
 
 namespace stormfield {
 

@@ -10,8 +10,8 @@
 #include <mutex>
 #include <optional>
 
-#include "design/other_targets.h"
-#include "design/singular_targets.h"
+#include "design/detail/other_targets.h"
+#include "design/detail/singular_targets.h"
 
 namespace stormfield {
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/message.h"
-#include "io/slices.h"
+#include "io/detail/slices.h"
 
 namespace stormfield {
 namespace {

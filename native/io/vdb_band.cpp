@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "base/message.h"
 #include "field/interpolation.h"
-#include "io/slices.h"
+#include "io/detail/slices.h"
 
 namespace stormfield {
 namespace {

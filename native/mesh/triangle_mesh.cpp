@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "mesh/connectivity.h"
+#include "mesh/detail/connectivity.h"
 
 namespace stormfield {
 

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/message.h"
-#include "morse/tau_map.h"
+#include "maps/tau_map.h"
 
 namespace stormfield {
 namespace {

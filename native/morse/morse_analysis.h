@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "morse/error_bound.h"
+#include "maps/error_bound.h"
 #include "morse/morse_decomposition.h"
 #include "morse/persistence.h"
-#include "morse/refinement.h"
+#include "morse/tau_refinement.h"
 #include "morse/transit_persistence.h"
 #include "morse/transit_refinement.h"
 #include "tracing/flat_faces.h"
@@ -38,9 +38,9 @@ struct MorseAnalysisOptions {
   /// Seconds, or mesh units for Spatial; none: startingTau. Geometry has none.
   std::optional<double> tau{};
   /// Refine coarse sets step by step (thesis 8): Tau and Spatial by ever larger tau, of which tau is then the first
-  /// (refinement.h), Geometry by ever smaller pieces of edges (transit_refinement.h).
+  /// (tau_refinement.h), Geometry by ever smaller pieces of edges (transit_refinement.h).
   bool refine = false;
-  std::optional<double> tauMax{};  ///< Tau and Spatial with refine; none: refinement.h
+  std::optional<double> tauMax{};  ///< Tau and Spatial with refine; none: tau_refinement.h
   /// With refine: seconds after which the sets so far are taken.
   double maximalSeconds = std::numeric_limits<double>::infinity();
   /// Bound on the error of the vectors, mesh units per second, or with relativeEpsilon in mean speeds of the field.
@@ -65,7 +65,7 @@ struct MorseAnalysis {
   std::shared_ptr<const MorseRefinement> refinement;  ///< Tau and Spatial with refine only
   std::shared_ptr<const TransitRefinement> transits;  ///< Geometry with refine only
   bool transitPersistence = false;                    ///< whether it was asked for
-  FaceSets nodes;                                     ///< of the map; Geometry with refine only: nodes of each set
+  IndexSets nodes;                                    ///< of the map; Geometry with refine only: nodes of each set
   std::optional<RefinementStop> stop;                 ///< why it went no further
   MorseDecomposition decomposition;
   struct {

@@ -60,7 +60,7 @@ struct Members {
 };
 
 /// Per Morse set the sets, and outside as number sets.count(), that F leads to without passing through others.
-DirectedGraph nextSets(const CombinatorialMap& map, const Components& components, const FaceSets& sets) {
+DirectedGraph nextSets(const CombinatorialMap& map, const Components& components, const IndexSets& sets) {
   const Members members(components);
   EndSets ends;
   // In the order of components, whose targets have lower numbers.
@@ -89,7 +89,7 @@ DirectedGraph nextSets(const CombinatorialMap& map, const Components& components
 }  // namespace
 
 MorseConnectionGraph morseConnectionGraph(const CombinatorialMap& map, const Components& components,
-                                          const FaceSets& sets) {
+                                          const IndexSets& sets) {
   const DirectedGraph next = nextSets(map, components, sets);
   const DirectedGraph least = transitiveReduction(next);
   MorseConnectionGraph result;
@@ -103,7 +103,7 @@ MorseConnectionGraph morseConnectionGraph(const CombinatorialMap& map, const Com
   return result;
 }
 
-std::vector<Index> connectionRegion(const CombinatorialMap& map, const FaceSets& sets, Index from, Index to) {
+std::vector<Index> connectionRegion(const CombinatorialMap& map, const IndexSets& sets, Index from, Index to) {
   const std::vector<char> after = reachable(map.graph, sets.faces(from));
   const std::vector<char> before = reachable(reversed(map.graph), sets.faces(to));
   std::vector<Index> result;

@@ -9,8 +9,8 @@
 #include <array>
 #include <vector>
 
-#include "combinatorial/combinatorial_map.h"
-#include "morse/face_sets.h"
+#include "maps/combinatorial_map.h"
+#include "morse/index_sets.h"
 
 namespace stormfield {
 
@@ -21,10 +21,10 @@ struct MorseConnectionGraph {
 
 /// components: of map.graph. Each set is one of them.
 MorseConnectionGraph morseConnectionGraph(const CombinatorialMap& map, const Components& components,
-                                          const FaceSets& sets);
+                                          const IndexSets& sets);
 
 /// Faces, ascending, on a way from one set to another (thesis 6.4, dotted regions), without those of the two sets.
 /// Empty when none leads there.
-std::vector<Index> connectionRegion(const CombinatorialMap& map, const FaceSets& sets, Index from, Index to);
+std::vector<Index> connectionRegion(const CombinatorialMap& map, const IndexSets& sets, Index from, Index to);
 
 }  // namespace stormfield

@@ -8,7 +8,8 @@
 #include "base/error.h"
 #include "base/message.h"
 #include "field/poincare_index.h"
-#include "morse/exit_set.h"
+#include "maps/fixed_point_faces.h"
+#include "morse/detail/exit_set.h"
 #include "morse/recurrence.h"
 
 namespace stormfield {
@@ -20,7 +21,7 @@ void checkSize(std::size_t size, Index faces, const char* what) {
 }
 
 /// The sets of those numbers that are chosen.
-FaceSets chosen(const FaceSets& sets, const std::vector<char>& isChosen) {
+IndexSets chosen(const IndexSets& sets, const std::vector<char>& isChosen) {
   std::vector<Index> number(sets.count(), kNone);
   Index count = 0;
   for (Index s = 0; s < sets.count(); ++s) {
@@ -39,7 +40,7 @@ bool meetsBoundary(const TriangleMesh& mesh, const std::vector<Index>& faces) {
 }
 
 std::vector<MorseSet> indexed(const VectorField& field, const CombinatorialMap& map, const std::vector<char>& mapped,
-                              const FaceSets& faces, const Progress& progress) {
+                              const IndexSets& faces, const Progress& progress) {
   const std::vector<int> poincare = poincareIndices(field);
   std::vector<MorseSet> sets(faces.count());
   tbb::parallel_for(Index{0}, faces.count(), [&](Index s) {
@@ -58,7 +59,7 @@ void dropTrivial(MorseDecomposition& morse) {
 
 }  // namespace
 
-FaceSets recurrentSets(const CombinatorialMap& map, const Components& components) {
+IndexSets recurrentSets(const CombinatorialMap& map, const Components& components) {
   std::vector<Index> number(components.count(), kNone), setOf(map.outside(), kNone);
   Index count = 0;
   for (Index f = 0; f < map.outside(); ++f) {
@@ -71,7 +72,7 @@ FaceSets recurrentSets(const CombinatorialMap& map, const Components& components
 }
 
 MorseSet morseSet(const VectorField& field, const CombinatorialMap& map, const std::vector<int>& poincare,
-                  const std::vector<char>& mapped, const FaceSets& faces, Index set) {
+                  const std::vector<char>& mapped, const IndexSets& faces, Index set) {
   MorseSet result;
   for (const Index f : faces.faces(set)) {
     result.poincare += poincare[f];
@@ -98,10 +99,10 @@ MorseDecomposition morseDecomposition(const VectorField& field, const Combinator
   const Components components = stronglyConnectedComponents(map.graph);
   progress.report(0.3);
   progress.check();
-  const FaceSets recurrent = recurrentSets(map, components);
+  const IndexSets recurrent = recurrentSets(map, components);
   const std::vector<char> kept =
       options.keepEmpty ? std::vector<char>(recurrent.count(), 1)
-                        : canRecur(mesh, recurrent, options.resting.empty() ? restingFaces(field) : options.resting);
+                        : canRecur(mesh, recurrent, options.resting.empty() ? fixedPointFaces(field) : options.resting);
   progress.report(0.5);
   progress.check();
 

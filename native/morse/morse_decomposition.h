@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "combinatorial/combinatorial_map.h"
 #include "field/vector_field.h"
+#include "maps/combinatorial_map.h"
 #include "morse/conley_index.h"
-#include "morse/face_sets.h"
+#include "morse/index_sets.h"
 #include "morse/morse_connection_graph.h"
 
 namespace stormfield {
@@ -24,7 +24,7 @@ struct MorseOptions {
   /// Per face whether its row of F comes from a map (tau > 0) and not from the directions across its edges. Empty:
   /// none. Sets with mapped faces get an upper bound of their index (conley_index.h).
   std::vector<char> mapped;
-  /// Per face whether it can hold a fixed point. Empty: restingFaces(field).
+  /// Per face whether it can hold a fixed point. Empty: fixedPointFaces(field).
   std::vector<char> resting;
   /// Whether to keep sets that provably hold nothing (recurrence.h).
   bool keepEmpty = false;
@@ -47,7 +47,7 @@ struct MorseSet {
 };
 
 struct MorseDecomposition {
-  FaceSets faces;              ///< numbered by their first faces
+  IndexSets faces;             ///< numbered by their first faces
   std::vector<MorseSet> sets;  ///< one for each of faces
   /// All faces that each set meets, where sets may be parted inside faces (transit_refinement.h); else empty.
   std::vector<std::vector<Index>> covers;
@@ -60,10 +60,10 @@ MorseDecomposition morseDecomposition(const VectorField& field, const Combinator
                                       const MorseOptions& options, Progress& progress);
 
 /// The strongly connected sets alone, of which the Morse sets are those that can recur.
-FaceSets recurrentSets(const CombinatorialMap& map, const Components& components);
+IndexSets recurrentSets(const CombinatorialMap& map, const Components& components);
 
 /// Index and kind of one set; poincare: index of each face. Sets may be any strongly connected ones of the map.
 MorseSet morseSet(const VectorField& field, const CombinatorialMap& map, const std::vector<int>& poincare,
-                  const std::vector<char>& mapped, const FaceSets& faces, Index set);
+                  const std::vector<char>& mapped, const IndexSets& faces, Index set);
 
 }  // namespace stormfield

@@ -294,7 +294,7 @@ MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress) {
   return result;
 }
 
-std::vector<double> persistenceOf(const MergeLevels& levels, const FaceSets& sets, double epsilon) {
+std::vector<double> persistenceOf(const MergeLevels& levels, const IndexSets& sets, double epsilon) {
   constexpr Index kSeveral = -2;
   std::vector<double> result(sets.count(), kNever);
   std::vector<Index> holds = sets.setOf();  // with what each face has absorbed: the only Morse set, none, or several

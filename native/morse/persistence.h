@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "morse/error_bound.h"
-#include "morse/face_sets.h"
+#include "maps/error_bound.h"
+#include "morse/index_sets.h"
 
 namespace stormfield {
 
@@ -34,6 +34,6 @@ MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress);
 
 /// Per set the least epsilon above the given one at which it merges with another of the sets; infinite when it never
 /// does. The sets must be strongly connected sets at that epsilon.
-std::vector<double> persistenceOf(const MergeLevels& levels, const FaceSets& sets, double epsilon);
+std::vector<double> persistenceOf(const MergeLevels& levels, const IndexSets& sets, double epsilon);
 
 }  // namespace stormfield

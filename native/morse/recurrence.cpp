@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "combinatorial/geometry_map.h"
 #include "field/poincare_index.h"
+#include "maps/geometry_map.h"
 
 namespace stormfield {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 /// One side of the surface around a piece: faces reached from one of its boundary edges without crossing it.
 class Essential {
  public:
-  Essential(const TriangleMesh& mesh, const FaceSets& sets, const std::vector<char>& resting)
+  Essential(const TriangleMesh& mesh, const IndexSets& sets, const std::vector<char>& resting)
       : mesh_(mesh), sets_(sets), resting_(resting), seen_(mesh.faceCount(), 0), walked_(mesh.halfedgeCount(), 0) {}
 
   /// Whether some piece of the set has a closed curve that cannot be contracted.
@@ -125,29 +125,14 @@ class Essential {
   }
 
   const TriangleMesh& mesh_;
-  const FaceSets& sets_;
+  const IndexSets& sets_;
   const std::vector<char>& resting_;
   std::vector<char> seen_, walked_;
 };
 
 }  // namespace
 
-std::vector<char> restingFaces(const VectorField& field) {
-  const TriangleMesh& mesh = field.mesh();
-  const std::vector<int> indices = poincareIndices(field);
-  std::vector<char> resting(mesh.faceCount());
-  tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
-    bool rests = indices[f] != 0;
-    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-      // Both faces see the edge along the same halfedge, so that they agree.
-      rests = rests || restsOnEdge(endVectors(field, mesh.edgeHalfedge(mesh.edge(h))));
-    }
-    resting[f] = rests ? 1 : 0;
-  });
-  return resting;
-}
-
-std::vector<char> canRecur(const TriangleMesh& mesh, const FaceSets& sets, const std::vector<char>& resting) {
+std::vector<char> canRecur(const TriangleMesh& mesh, const IndexSets& sets, const std::vector<char>& resting) {
   std::vector<char> result(sets.count(), 0);
   Essential essential(mesh, sets, resting);
   for (Index s = 0; s < sets.count(); ++s) {

@@ -10,15 +10,11 @@
 #include <vector>
 
 #include "field/vector_field.h"
-#include "morse/face_sets.h"
+#include "morse/index_sets.h"
 
 namespace stormfield {
 
-/// Faces with a fixed point, inside or on their boundary: those that geometryMap gives an edge to themselves, and both
-/// faces of an edge with opposed ends along it.
-std::vector<char> restingFaces(const VectorField& field);
-
 /// Per set whether it can hold recurrence. resting: per face whether it can hold a fixed point.
-std::vector<char> canRecur(const TriangleMesh& mesh, const FaceSets& sets, const std::vector<char>& resting);
+std::vector<char> canRecur(const TriangleMesh& mesh, const IndexSets& sets, const std::vector<char>& resting);
 
 }  // namespace stormfield

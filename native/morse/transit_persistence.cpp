@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "morse/error_bound.h"
+#include "maps/error_bound.h"
 
 namespace stormfield {
 namespace {
@@ -18,7 +18,7 @@ using Joined = std::vector<Index>;
 
 class Ladder {
  public:
-  Ladder(const TransitRefinement& refinement, const FaceSets& nodes, double least, int steps, Progress& progress)
+  Ladder(const TransitRefinement& refinement, const IndexSets& nodes, double least, int steps, Progress& progress)
       : refinement_(refinement), nodes_(nodes), least_(least), steps_(steps), progress_(progress) {}
 
   double epsilon(int step) const { return least_ * std::pow(kPersistenceStep, step); }
@@ -71,7 +71,7 @@ class Ladder {
   }
 
   const TransitRefinement& refinement_;
-  const FaceSets& nodes_;
+  const IndexSets& nodes_;
   double least_;
   int steps_, looks_ = 0;
   Progress& progress_;
@@ -89,7 +89,8 @@ double mostEpsilon(const VectorField& field, const std::vector<double>& weights)
 
 }  // namespace
 
-std::vector<double> transitPersistence(const TransitRefinement& refinement, const FaceSets& nodes, Progress& progress) {
+std::vector<double> transitPersistence(const TransitRefinement& refinement, const IndexSets& nodes,
+                                       Progress& progress) {
   std::vector<double> result(nodes.count(), std::numeric_limits<double>::infinity());
   const double most = mostEpsilon(refinement.field(), refinement.options().weights);
   if (nodes.count() < 2 || !(most > 0.0) || !std::isfinite(most)) return result;

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <utility>
 
+#include "base/memory_limit.h"
 #include "base/message.h"
-#include "morse/deadline.h"
-#include "morse/memory_limit.h"
+#include "morse/detail/deadline.h"
 #include "morse/recurrence.h"
 
 namespace stormfield {
@@ -49,7 +49,7 @@ std::vector<std::vector<Index>> recurrentMembers(const Components& components, c
 }
 
 /// The faces that each set meets: those of its fixed points, and those that it flows through from piece to piece.
-std::vector<std::vector<Index>> facesMet(const TransitMap& map, const CombinatorialMap& graph, const FaceSets& nodes) {
+std::vector<std::vector<Index>> facesMet(const TransitMap& map, const CombinatorialMap& graph, const IndexSets& nodes) {
   std::vector<std::vector<Index>> result(nodes.count());
   for (Index s = 0; s < nodes.count(); ++s) {
     std::vector<Index>& faces = result[s];
@@ -66,7 +66,7 @@ std::vector<std::vector<Index>> facesMet(const TransitMap& map, const Combinator
 }
 
 /// Parts the faces among the sets that meet them.
-FaceSets partFaces(const TransitMap& map, const FaceSets& nodes, const std::vector<std::vector<Index>>& covers) {
+IndexSets partFaces(const TransitMap& map, const IndexSets& nodes, const std::vector<std::vector<Index>>& covers) {
   const Index faceCount = map.mesh().faceCount();
   std::vector<Index> setOf(faceCount, kNone), bySize(covers.size());
   std::iota(bySize.begin(), bySize.end(), 0);
@@ -102,7 +102,7 @@ std::vector<char> canRecur(const TransitMap& map, const std::vector<std::vector<
       for (const Index f : covers[s]) setOf[f] = static_cast<Index>(now.size());
       now.push_back(s);
     }
-    const FaceSets sets(std::move(setOf), static_cast<Index>(now.size()));
+    const IndexSets sets(std::move(setOf), static_cast<Index>(now.size()));
     const std::vector<char> recurs = canRecur(map.mesh(), sets, map.resting());
     for (std::size_t i = 0; i < now.size(); ++i) result[now[i]] = recurs[i];
     left = std::move(later);
@@ -344,7 +344,7 @@ TransitDecomposition TransitRefinement::decomposition(bool keepEmpty, bool keepT
   std::iota(nodes.begin(), nodes.end(), 0);
   std::vector<std::vector<Index>> members = recurrentMembers(components, nodes);
   const auto setsOf = [&] {
-    return FaceSets(setOfNodes(members, graph.nodeCount()), static_cast<Index>(members.size()));
+    return IndexSets(setOfNodes(members, graph.nodeCount()), static_cast<Index>(members.size()));
   };
   std::vector<std::vector<Index>> covers = facesMet(map_, result.map, setsOf());
   progress.check();

@@ -38,9 +38,9 @@
 #include <optional>
 #include <vector>
 
+#include "maps/transit_map.h"
 #include "morse/morse_decomposition.h"
-#include "morse/refinement.h"
-#include "morse/transit_map.h"
+#include "morse/tau_refinement.h"
 
 namespace stormfield {
 
@@ -62,7 +62,7 @@ struct TransitDecomposition {
   /// else to the smallest. covers has all faces that each set meets.
   MorseDecomposition morse;
   CombinatorialMap map;  ///< of all nodes
-  FaceSets nodes;        ///< nodes of each set
+  IndexSets nodes;       ///< nodes of each set
 };
 
 /// A decomposition that can be refined; copies are independent.

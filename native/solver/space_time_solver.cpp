@@ -12,8 +12,8 @@
 
 #include "base/message.h"
 #include "solver/connection_laplacian.h"
-#include "solver/krylov.h"
-#include "solver/space_time_residual.h"
+#include "solver/detail/krylov.h"
+#include "solver/detail/space_time_residual.h"
 
 namespace stormfield {
 namespace {

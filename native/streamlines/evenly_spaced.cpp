@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "base/message.h"
-#include "streamlines/coverage.h"
-#include "streamlines/face_velocity.h"
-#include "streamlines/given_curves.h"
-#include "streamlines/line_tracer.h"
-#include "streamlines/surface_walk.h"
-#include "streamlines/taper.h"
+#include "streamlines/detail/coverage.h"
+#include "streamlines/detail/face_velocity.h"
+#include "streamlines/detail/given_curves.h"
+#include "streamlines/detail/line_tracer.h"
+#include "streamlines/detail/surface_walk.h"
+#include "streamlines/detail/taper.h"
 #include "tracing/trace.h"
 
 namespace stormfield {

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/message.h"
-#include "texture/random.h"
+#include "texture/detail/random.h"
 #include "texture/stagger.h"
 
 namespace stormfield {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "texture/random.h"
+#include "texture/detail/random.h"
 
 namespace stormfield {
 namespace {

@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "field/poincare_index.h"
-#include "topology/separatrix_directions.h"
+#include "topology/detail/separatrix_directions.h"
 #include "topology/zero_search.h"
 
 namespace stormfield {

@@ -8,10 +8,10 @@
 #include <deque>
 
 #include "base/message.h"
-#include "combinatorial/geometry_map.h"
-#include "topology/connection_graph.h"
-#include "topology/journey.h"
-#include "topology/separatrix_directions.h"
+#include "maps/geometry_map.h"
+#include "topology/detail/connection_graph.h"
+#include "topology/detail/separatrix_directions.h"
+#include "topology/detail/streamline_search.h"
 
 namespace stormfield {
 namespace {
@@ -200,7 +200,7 @@ class Search {
 
   Index knownOrbit(const FoundOrbit& found) const {
     const bool inBand = found.closedAround || std::abs(found.orbit.multiplier - 1.0) <= options_.bandTolerance;
-    for (const Passage& passage : found.passages) {
+    for (const EdgePassage& passage : found.passages) {
       Index orbit = destinations_->orbitAt(passage, kSameOrbit * mesh_.meanEdgeLength());
       if (orbit == kNone && inBand && passage.halfedge != kNone) {
         orbit = destinations_->bandAt(TriangleMesh::face(passage.halfedge));
@@ -254,14 +254,15 @@ class Search {
       FlowWalk across(faces_, turned, direction, options_.tolerance);
       const int side = direction == Direction::Forward ? 0 : 1;
       across.run(found.best.section.point(mesh_, found.best.position, Direction::Forward),
-                 [&](const SurfacePoint& p, double, const Passage& passage) {
+                 [&](const SurfacePoint& p, double, const EdgePassage& passage) {
                    if (progress_ != nullptr) progress_->check();
                    if (!passage) return true;
                    return stepOverBand(orbit, side, p, passage, part, found.crossings);
                  });
     }
   }
-  bool stepOverBand(Index orbit, int side, const SurfacePoint& p, const Passage& passage, Index part, Index crossings) {
+  bool stepOverBand(Index orbit, int side, const SurfacePoint& p, const EdgePassage& passage, Index part,
+                    Index crossings) {
     // The edge as the field itself crosses it.
     Index h = passage.halfedge;
     double fraction = passage.fraction;

@@ -14,8 +14,8 @@
 
 #include <limits>
 
+#include "tracing/detail/face_step_kernel.h"
 #include "tracing/face_flow.h"
-#include "tracing/face_step_kernel.h"
 #include "tracing/flat_faces.h"
 
 namespace stormfield {

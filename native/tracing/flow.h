@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "field/vector_field.h"
+#include "tracing/detail/lambda_track.h"
 #include "tracing/face_flow.h"
 #include "tracing/flat_faces.h"
-#include "tracing/lambda_track.h"
 
 namespace stormfield {
 

@@ -14,7 +14,7 @@
 #include <type_traits>
 
 #include "tracing/dense_step.h"
-#include "tracing/face_steps.h"
+#include "tracing/detail/face_steps.h"
 #include "tracing/flow.h"
 #include "tracing/trace.h"
 
@@ -449,4 +449,4 @@ bool Integrator<Flow>::cross(int i, double fraction) {
 
 }  // namespace stormfield
 
-#include "tracing/integrator_vertices.h"
+#include "tracing/detail/integrator_vertices.h"

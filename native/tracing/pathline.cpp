@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/message.h"
-#include "tracing/batch.h"
+#include "tracing/detail/batch.h"
 #include "tracing/integrator.h"
 
 namespace stormfield {

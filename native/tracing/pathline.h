@@ -8,8 +8,8 @@
 #pragma once
 
 #include "base/progress.h"
+#include "tracing/detail/lambda_track.h"
 #include "tracing/flat_faces.h"
-#include "tracing/lambda_track.h"
 #include "tracing/trace.h"
 
 namespace stormfield {

@@ -14,16 +14,17 @@ NATIVE = {
     "mesh": ["base"],
     "field": ["base", "mesh"],
     "tracing": ["base", "mesh", "field"],
-    "combinatorial": ["base", "mesh", "field", "tracing"],
-    "topology": ["base", "mesh", "field", "tracing", "combinatorial"],
-    "morse": ["base", "mesh", "field", "tracing", "combinatorial"],
-    "streamlines": ["base", "mesh", "field", "tracing", "combinatorial", "topology"],
+    "maps": ["base", "mesh", "field", "tracing"],
+    "morse": ["base", "mesh", "field", "tracing", "maps"],
+    "topology": ["base", "mesh", "field", "tracing", "maps"],
+    "streamlines": ["base", "mesh", "field", "tracing", "maps", "topology"],
+    "tracking": ["base", "mesh", "field", "tracing", "maps", "topology"],
     "solver": ["base", "mesh", "field"],
     "design": ["base", "mesh", "field", "tracing", "solver"],
     "texture": ["base", "mesh", "field", "tracing"],
     "io": ["base", "mesh", "field"],
     "bindings": [
-        *["base", "mesh", "field", "tracing", "combinatorial", "topology", "morse", "streamlines"],
+        *["base", "mesh", "field", "tracing", "maps", "morse", "topology", "streamlines", "tracking"],
         *["solver", "design", "texture", "io"],
     ],
 }
@@ -56,12 +57,70 @@ def imports(text: str) -> list[tuple[str, bool]]:
     return found
 
 
+def foreign_details(text: str, folder: str) -> list[str]:
+    """Includes of headers that only their own folder may use."""
+    paths = re.findall(r'#include "([^"]+)"', text)
+    return [path for path in paths if "/detail/" in path and path.split("/")[0] != folder]
+
+
+def type_names(text: str) -> list[str]:
+    """Classes, structs, enums and aliases that a source file defines at namespace scope outside unnamed namespaces.
+
+    Text is read, not compiled: comments and strings go first, then what lies inside braces that open no namespace.
+    """
+    text = re.sub(r"//[^\n]*|/\*.*?\*/", "", text, flags=re.S)
+    text = re.sub(r'"(?:[^"\\\n]|\\.)*"', '""', text)
+    text = re.sub(r"^\s*#.*(?:\\\n.*)*", "", text, flags=re.M)
+    outside, depth, inside = [], [], 0  # depth: per open brace whether it is a named namespace
+    start = 0
+    for match in re.finditer(r"[{}]", text):
+        head = text[start : match.start()]
+        if not inside:
+            outside.append(head)
+        start = match.end()
+        if match.group() == "{":
+            named = re.search(r"namespace\s+[\w:]+\s*$", head) is not None and not inside
+            depth.append(named)
+            inside += not named
+            if inside == 1 and not named:
+                outside.append("{}")
+        elif depth:
+            inside -= not depth.pop()
+    visible = "".join(outside)
+    defined = re.findall(
+        r"\b(?:class|struct|union|enum(?:\s+class)?)\s+(\w+)\s*(?:final\s*)?(?::[^:;{}][^;{}]*)?\{", visible
+    )
+    return defined + re.findall(r"\busing\s+(\w+)\s*=", visible)
+
+
+def repeated_types(files: dict[str, str]) -> dict[str, list[str]]:
+    """Type names that more than one file defines, with the files."""
+    places: dict[str, list[str]] = {}
+    for path, text in files.items():
+        for name in type_names(text):
+            places.setdefault(name, []).append(path)
+    return {name: paths for name, paths in places.items() if len(paths) > 1}
+
+
 @pytest.mark.parametrize("folder", NATIVE)
 def test_native_includes_point_left(folder):
     for path in sorted((ROOT / "native" / folder).rglob("*")):
         if path.suffix in {".h", ".cpp"}:
             bad = forbidden_includes(path.read_text(), folder)
             assert not bad, f"{path.relative_to(ROOT)} includes {bad}; {folder} may include {NATIVE[folder]}"
+
+
+@pytest.mark.parametrize("folder", NATIVE)
+def test_details_stay_in_their_folder(folder):
+    for path in sorted((ROOT / "native" / folder).rglob("*.[hc]*")):
+        bad = foreign_details(path.read_text(), folder)
+        assert not bad, f"{path.relative_to(ROOT)} includes {bad}"
+
+
+def test_a_type_name_stands_once():
+    # Two classes of one qualified name are undefined behaviour that no compiler reports.
+    files = {str(p.relative_to(ROOT)): p.read_text() for p in sorted((ROOT / "native").rglob("*.[hc]*"))}
+    assert not repeated_types(files)
 
 
 def test_every_native_folder_is_listed():
@@ -113,5 +172,14 @@ def test_addon_imports_are_relative():
 
 def test_the_checks_can_fail():
     assert forbidden_includes('#include "solver/constraint.h"\n', "mesh") == ["solver/constraint.h"]
+    assert foreign_details('#include "morse/detail/exit_set.h"\n', "topology") == ["morse/detail/exit_set.h"]
     assert ("..operators", True) in imports("from ..operators import x")
     assert ("bpy", False) in imports("def f():\n    import bpy")
+
+
+def test_the_check_of_type_names_can_fail():
+    first = "namespace stormfield {\n/// struct Other {\nstruct Crossing {\n  struct Side { int a; };\n};\n}"
+    second = "namespace stormfield {\nclass Crossing final : public Base<int> {\n};\nusing Row = int;\n}"
+    unnamed = "namespace stormfield {\nnamespace {\nstruct Crossing {};\nenum class Side { Left };\n}\nclass Row;\n}"
+    assert type_names(first) == ["Crossing"] and type_names(second) == ["Crossing", "Row"] and type_names(unnamed) == []
+    assert repeated_types({"a.h": first, "b.h": second, "c.cpp": unnamed}) == {"Crossing": ["a.h", "b.h"]}

@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "data_sets.h"
-#include "morse/refinement.h"
+#include "morse/tau_refinement.h"
 
 namespace stormfield {
 namespace {

@@ -2,9 +2,9 @@
 // then guess which belong together).
 #include <benchmark/benchmark.h>
 
-#include "../topology/tracked_fields.h"
+#include "../tracking/tracked_fields.h"
 #include "../tracing/surfaces.h"
-#include "topology/tracking.h"
+#include "tracking/tracking.h"
 
 namespace stormfield {
 namespace {

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <vector>
 
+#include "design/detail/surface_path.h"
 #include "design/element_constraints.h"
-#include "design/surface_path.h"
 #include "solver/space_time_solver.h"
 #include "topology/fixed_points.h"
 #include "tracing/surfaces.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "design/curve_strip.h"
+#include "design/detail/curve_strip.h"
 #include "storm_checks.h"
 
 namespace stormfield {

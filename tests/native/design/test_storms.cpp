@@ -1,6 +1,6 @@
 #include "storm_checks.h"
 
-#include "design/junction.h"
+#include "design/detail/junction.h"
 #include "long_tests.h"
 
 namespace stormfield {

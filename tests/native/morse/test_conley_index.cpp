@@ -18,7 +18,7 @@ ConleyIndex indexOf(const TriangleMesh& mesh, const std::vector<char>& inside, c
                     Corners corners = Corners::Apart) {
   std::vector<Index> setOf(mesh.faceCount(), kNone);
   for (Index f = 0; f < mesh.faceCount(); ++f) setOf[f] = inside[f] != 0 ? 0 : kNone;
-  const FaceSets sets(std::move(setOf), 1);
+  const IndexSets sets(std::move(setOf), 1);
   IndexPair pair;
   pair.corners = corners;
   for (const Index f : sets.faces(0)) {

@@ -11,10 +11,10 @@
 #include <string>
 
 #include "checks.h"
-#include "combinatorial/geometry_map.h"
 #include "field/poincare_index.h"
 #include "fixtures.h"
-#include "morse/error_bound.h"
+#include "maps/error_bound.h"
+#include "maps/geometry_map.h"
 
 namespace stormfield::test {
 namespace {

@@ -140,10 +140,10 @@ TEST(MergeLevels, CanBeCancelled) {
 TEST(PersistenceOf, IsOfTheSetsThatAreGiven) {
   // A path of bidirected edges 0 - 1 - 2 - 3 with epsilons 3, 1, 2: the set in the middle is none.
   MergeLevels levels{{1.0, 2.0, 3.0}, {1, 1, 0}, {2, 3, 1}};
-  EXPECT_EQ(persistenceOf(levels, FaceSets({0, kNone, kNone, 1}, 2), 0.0), (std::vector<double>{3.0, 3.0}));
-  EXPECT_EQ(persistenceOf(levels, FaceSets({0, 1, kNone, 2}, 3), 0.0), (std::vector<double>{3.0, 2.0, 2.0}));
-  EXPECT_EQ(persistenceOf(levels, FaceSets({kNone, 0, 0, 1}, 2), 1.5), (std::vector<double>{2.0, 2.0}));
-  EXPECT_EQ(persistenceOf(levels, FaceSets({kNone, kNone, kNone, 0}, 1), 0.0), std::vector<double>{kNever});
+  EXPECT_EQ(persistenceOf(levels, IndexSets({0, kNone, kNone, 1}, 2), 0.0), (std::vector<double>{3.0, 3.0}));
+  EXPECT_EQ(persistenceOf(levels, IndexSets({0, 1, kNone, 2}, 3), 0.0), (std::vector<double>{3.0, 2.0, 2.0}));
+  EXPECT_EQ(persistenceOf(levels, IndexSets({kNone, 0, 0, 1}, 2), 1.5), (std::vector<double>{2.0, 2.0}));
+  EXPECT_EQ(persistenceOf(levels, IndexSets({kNone, kNone, kNone, 0}, 1), 0.0), std::vector<double>{kNever});
 }
 
 }  // namespace

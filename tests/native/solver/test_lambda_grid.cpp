@@ -1,4 +1,4 @@
-#include "solver/lambda_grid.h"
+#include "solver/detail/lambda_grid.h"
 
 #include <random>
 

@@ -1,4 +1,4 @@
-#include "solver/row_sums.h"
+#include "solver/detail/row_sums.h"
 
 #include <array>
 #include <numeric>

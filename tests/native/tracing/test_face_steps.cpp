@@ -1,4 +1,4 @@
-#include "tracing/face_steps.h"
+#include "tracing/detail/face_steps.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,103 @@
+#include "design/detail/curve_strip.h"
+
+#include <algorithm>
+#include <map>
+#include <queue>
+
+namespace stormfield {
+
+namespace {
+
+/// Closest point of the polyline to x, found by walking down from the segment `near`.
+struct OnCurve {
+  std::size_t segment = 0;
+  double part = 0.0;
+  double distance = 0.0;
+};
+
+OnCurve onSegment(const std::vector<Vec3>& curve, std::size_t k, const Vec3& x) {
+  const Vec3 along = curve[k + 1] - curve[k];
+  const double squared = along.squaredNorm();
+  const double part = squared > 0.0 ? std::clamp((x - curve[k]).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return {k, part, (x - curve[k] - part * along).norm()};
+}
+
+OnCurve closestFrom(const std::vector<Vec3>& curve, std::size_t near, const Vec3& x) {
+  OnCurve best = onSegment(curve, near, x);
+  for (const int step : {1, -1}) {
+    for (std::ptrdiff_t k = static_cast<std::ptrdiff_t>(near) + step;
+         k >= 0 && k + 1 < static_cast<std::ptrdiff_t>(curve.size()); k += step) {
+      const OnCurve next = onSegment(curve, static_cast<std::size_t>(k), x);
+      if (next.distance > best.distance) break;
+      best = next;
+    }
+  }
+  return best;
+}
+
+/// Central differences over the fine samples, unit.
+std::vector<Vec3> tangents(const std::vector<Vec3>& curve) {
+  std::vector<Vec3> result(curve.size());
+  for (std::size_t k = 0; k < curve.size(); ++k)
+    result[k] = (curve[std::min(k + 1, curve.size() - 1)] - curve[k > 0 ? k - 1 : 0]).normalized();
+  return result;
+}
+
+/// Turns a by the smallest rotation that takes the unit vector from to the unit vector to.
+Vec3 turned(const Vec3& a, const Vec3& from, const Vec3& to) {
+  const Vec3 axis = from.cross(to);
+  const double cosine = from.dot(to);
+  if (cosine < -0.999) return a;
+  return cosine * a + axis.cross(a) + axis * (axis.dot(a) / (1.0 + cosine));
+}
+
+}  // namespace
+
+std::vector<StripEntry> curveStrip(const VertexCharts& charts, const SurfacePath& path, double halfWidth) {
+  const TriangleMesh& mesh = charts.mesh();
+  const std::vector<Vec3>& curve = path.positions();
+  const std::vector<Vec3> direction = tangents(curve);
+  struct Reached {
+    OnCurve foot;
+    bool onCurve = false, finished = false;
+  };
+  std::map<Index, Reached> reached;
+  using Item = std::pair<double, Index>;
+  std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
+  const auto reach = [&](Index v, std::size_t near, bool onCurve) {
+    const OnCurve foot = closestFrom(curve, near, mesh.point(v));
+    if (!onCurve && foot.distance >= halfWidth) return;
+    const auto [it, isNew] = reached.try_emplace(v, Reached{foot, onCurve});
+    it->second.onCurve = it->second.onCurve || onCurve;
+    if (!isNew && (it->second.finished || foot.distance >= it->second.foot.distance)) return;
+    it->second.foot = foot;
+    queue.push({foot.distance, v});
+  };
+  for (std::size_t k = 0; k < curve.size(); ++k)
+    for (int corner = 0; corner < 3; ++corner)
+      reach(mesh.vertex(path.points()[k].face, corner), std::min(k, curve.size() - 2), true);
+  while (!queue.empty()) {
+    const Index v = queue.top().second;
+    queue.pop();
+    Reached& settled = reached.at(v);
+    if (settled.finished) continue;
+    settled.finished = true;
+    if (settled.foot.distance >= halfWidth) continue;
+    for (Index h = mesh.outgoing(v); h != kNone; h = mesh.nextOutgoing(h)) {
+      reach(mesh.head(h), settled.foot.segment, false);
+      reach(mesh.tail(TriangleMesh::prev(h)), settled.foot.segment, false);
+    }
+  }
+
+  std::vector<StripEntry> strip;
+  for (const auto& [v, at] : reached) {
+    const std::size_t k = at.foot.segment;
+    const Vec3 along = (1.0 - at.foot.part) * direction[k] + at.foot.part * direction[k + 1];
+    const Vec3 normal = mesh.faceNormal(path.points()[at.foot.part < 0.5 ? k : k + 1].face);
+    const Complex tangent = charts.toTangent(v, turned(along, normal, charts.normal(v)));
+    if (std::abs(tangent) > 0.0) strip.push_back({v, at.foot.distance, tangent / std::abs(tangent), at.onCurve});
+  }
+  return strip;
+}
+
+}  // namespace stormfield

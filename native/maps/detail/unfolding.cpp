@@ -1,0 +1,96 @@
+#include "maps/detail/unfolding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tracing/dense_step.h"
+
+namespace stormfield {
+namespace {
+
+double squaredDistance(Complex p, Complex a, Complex b) {
+  const Complex side = b - a, d = p - a;
+  const double squared = std::norm(side);
+  const double t =
+      squared > 0.0 ? std::clamp((d.real() * side.real() + d.imag() * side.imag()) / squared, 0.0, 1.0) : 0.0;
+  return std::norm(d - t * side);
+}
+
+}  // namespace
+
+double segmentDistance(Complex p, Complex q, Complex a, Complex b) {
+  const bool apart = cross(b - a, p - a) * cross(b - a, q - a) < 0.0;
+  if (apart && cross(q - p, a - p) * cross(q - p, b - p) < 0.0) return 0.0;
+  return std::sqrt(std::min(std::min(squaredDistance(p, a, b), squaredDistance(q, a, b)),
+                            std::min(squaredDistance(a, p, q), squaredDistance(b, p, q))));
+}
+
+Isometry unfold(const FlatFaces& faces, Index h) {
+  const FlatFace& base = faces[TriangleMesh::face(h)];
+  const int i = TriangleMesh::corner(h);
+  const Index twin = base.twin(i);
+  const FlatFace& other = faces[TriangleMesh::face(twin)];
+  const int j = TriangleMesh::corner(twin);
+  const Complex tail = base.corner(i), head = base.corner((i + 1) % 3);
+  Complex rotation = (tail - head) * std::conj(other.corner((j + 1) % 3) - other.corner(j));
+  rotation /= magnitude(rotation);
+  return {rotation, head - rotation * other.corner(j)};
+}
+
+Unfoldings::Unfoldings(const FlatFaces& faces, Index base, Index other) : faces_(&faces), base_(base) {
+  if (base == other) {
+    count_ = 1;
+    return;
+  }
+  for (int i = 0; i < 3; ++i) {
+    const Index twin = faces[base].twin(i);
+    if (twin == kNone || TriangleMesh::face(twin) != other) continue;
+    ways_[0] = unfold(faces, TriangleMesh::halfedge(base, i));
+    count_ = 1;
+    side_ = i;
+    return;
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (faces[base].vertex(i) != faces[other].vertex(j)) continue;
+      pivot_ = i;
+      turnAround(base, other, i, true);
+      turnAround(base, other, i, false);
+      return;
+    }
+  }
+}
+
+void Unfoldings::turnAround(Index base, Index other, int corner, bool counterClockwise) {
+  Isometry toBase;
+  Index out = TriangleMesh::halfedge(base, corner);  // the halfedge of the face at hand that leaves the vertex
+  while (true) {
+    const Index over = counterClockwise ? TriangleMesh::prev(out) : out;
+    const Index twin = (*faces_)[TriangleMesh::face(over)].twin(TriangleMesh::corner(over));
+    if (twin == kNone) return;
+    toBase = toBase.after(unfold(*faces_, over));
+    out = counterClockwise ? twin : TriangleMesh::next(twin);
+    if (TriangleMesh::face(out) == base) return;
+    if (TriangleMesh::face(out) == other) break;
+  }
+  ways_[count_++] = toBase;
+}
+
+double Unfoldings::spread(Complex inBase, Complex inOther) const {
+  const Complex laid = ways_[0](inOther);
+  if (count_ == 2) return std::abs(laid - ways_[1](inOther));
+  if (pivot_ >= 0) return std::abs(laid - (*faces_)[base_].corner(pivot_));
+  if (side_ < 0) return 0.0;
+  // Over the common edge there is one way; past its end, one on either side of the vertex there.
+  const FlatFace& base = (*faces_)[base_];
+  const Complex tail = base.corner(side_), head = base.corner((side_ + 1) % 3);
+  if (segmentDistance(inBase, laid, tail, head) <= 1e-6 * std::abs(head - tail)) return 0.0;
+  const int corner = cross(laid - inBase, tail - inBase) > 0.0 ? side_ : (side_ + 1) % 3;
+  const VertexCharts& charts = faces_->charts();
+  const Index v = base.vertex(corner);
+  const double distance = std::abs(laid - base.corner(corner));
+  if (charts.mesh().isBoundaryVertex(v)) return distance;
+  return 2.0 * std::abs(std::sin(0.5 * charts.totalAngle(v))) * distance;
+}
+
+}  // namespace stormfield

@@ -1,0 +1,109 @@
+#include "morse/detail/exit_set.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "maps/geometry_map.h"
+
+namespace stormfield {
+namespace {
+
+/// F(N) less N without outside, ascending.
+std::vector<Index> ledTo(const CombinatorialMap& map, const IndexSets& sets, Index set) {
+  std::vector<Index> result;
+  for (const Index f : sets.faces(set)) {
+    for (const Index* t = map.graph.begin(f); t != map.graph.end(f); ++t) {
+      if (*t != map.outside() && sets.setOf(*t) != set) result.push_back(*t);
+    }
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+/// Where flow leaves over a boundary edge of the surface.
+Exit boundaryExit(const VectorField& field, Index h) {
+  const auto [tail, head] = endVectors(field, h);
+  if (tail.imag() >= 0.0 && head.imag() >= 0.0) return Exit::None;
+  if (tail.imag() > 0.0) return Exit::AtHead;
+  return head.imag() > 0.0 ? Exit::AtTail : Exit::Whole;
+}
+
+IndexPair edgePair(const VectorField& field, const IndexSets& sets, Index set, const std::vector<Index>& targets) {
+  const TriangleMesh& mesh = field.mesh();
+  IndexPair pair;
+  pair.exits.reserve(3 * sets.faces(set).size());
+  for (const Index f : sets.faces(set)) {
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+      const Index twin = mesh.twin(h);
+      if (twin == kNone) {
+        pair.exits.push_back(boundaryExit(field, h));
+      } else {
+        const bool left = std::binary_search(targets.begin(), targets.end(), TriangleMesh::face(twin));
+        pair.exits.push_back(left ? Exit::Whole : Exit::None);
+      }
+    }
+  }
+  return pair;
+}
+
+/// The component across, near the end of an edge: that of the end, or where it has none, that of the other end.
+double across(Complex end, Complex otherEnd) {
+  return end.imag() != 0.0 ? end.imag() : otherEnd.imag();
+}
+
+/// Whether a boundary edge is part exit, part entry, and the flow between them runs from the exit to the entry.
+bool grazesEdge(const VectorField& field, Index h) {
+  const auto [tail, head] = endVectors(field, h);
+  if (tail.imag() * head.imag() >= 0.0) return false;
+  // The component along h where that across is 0, with the sign that turns "from exit to entry" into "negative".
+  return head.real() * tail.imag() - tail.real() * head.imag() < 0.0;
+}
+
+/// Whether flow passes from N to N through its corner at a vertex, the fan of that angle from halfedge `first` (which
+/// leaves the vertex) counter-clockwise to `last` (which ends there).
+bool grazesCorner(const VectorField& field, Index first, Index last, double angle) {
+  if (angle <= std::numbers::pi) return false;
+  const auto leaving = endVectors(field, first), arriving = endVectors(field, last);
+  return across(leaving.tail, leaving.head) * across(arriving.head, arriving.tail) < 0.0;
+}
+
+}  // namespace
+
+IndexPair flowPair(const VectorField& field, const CombinatorialMap& map, const IndexSets& sets, Index set) {
+  return edgePair(field, sets, set, ledTo(map, sets, set));
+}
+
+IndexPair mapPair(const VectorField& field, const CombinatorialMap& map, const IndexSets& sets, Index set) {
+  const std::vector<Index> targets = ledTo(map, sets, set);
+  IndexPair pair = edgePair(field, sets, set, targets);
+  pair.corners = Corners::Together;
+  for (const Index f : targets) {
+    for (int k = 0; k < 3; ++k) pair.exitVertices.push_back(field.mesh().vertex(f, k));
+  }
+  std::sort(pair.exitVertices.begin(), pair.exitVertices.end());
+  pair.exitVertices.erase(std::unique(pair.exitVertices.begin(), pair.exitVertices.end()), pair.exitVertices.end());
+  return pair;
+}
+
+int grazings(const VectorField& field, const IndexSets& sets, Index set) {
+  const TriangleMesh& mesh = field.mesh();
+  const auto isInside = [&](Index h) { return h != kNone && sets.setOf(TriangleMesh::face(h)) == set; };
+  int count = 0;
+  for (const Index f : sets.faces(set)) {
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+      if (isInside(mesh.twin(h))) continue;
+      if (mesh.twin(h) == kNone) count += grazesEdge(field, h);
+      if (!mesh.isBoundaryVertex(mesh.tail(h))) continue;
+      Index last = TriangleMesh::prev(h);
+      double angle = mesh.cornerAngle(h);
+      for (; isInside(mesh.twin(last)); last = TriangleMesh::prev(mesh.twin(last))) {
+        angle += mesh.cornerAngle(mesh.twin(last));
+      }
+      count += grazesCorner(field, h, last, angle);
+    }
+  }
+  return count;
+}
+
+}  // namespace stormfield

@@ -1,0 +1,192 @@
+#include "tracking/tracking.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "base/message.h"
+#include "tracking/detail/samples.h"
+
+namespace stormfield {
+namespace {
+
+/// Steps of the search for the lambda where the trace is zero, inside one face.
+constexpr int kHopfSteps = 4;
+
+void check(const TrackingOptions& options) {
+  if (!(options.relativeTolerance >= 0.0 && options.relativeTolerance < 1.0)) {
+    throw InputError(message("the relative tolerance is ", options.relativeTolerance, "; choose one from 0 up to 1"));
+  }
+  if (!(options.hopfDamping >= 0.0 && options.hopfDamping < 1.0)) {
+    throw InputError(
+        message("the damping of Hopf bifurcations is ", options.hopfDamping, "; choose one from 0 up to 1"));
+  }
+  if (!(options.chordTolerance > 0.0)) {
+    throw InputError(message("the chord tolerance is ", options.chordTolerance, "; choose one above 0"));
+  }
+}
+
+double rotationOf(const Eigen::Matrix2d& jacobian) {
+  return jacobian(1, 0) - jacobian(0, 1);
+}
+
+/// Mean over lambda by the trapezoid rule.
+template <typename Quantity>
+double mean(const std::vector<JetSample>& jets, const Quantity& quantity) {
+  double sum = 0.0, length = 0.0;
+  for (std::size_t i = 0; i + 1 < jets.size(); ++i) {
+    const double step = jets[i + 1].sample.lambda - jets[i].sample.lambda;
+    sum += 0.5 * step * (quantity(jets[i].jacobian) + quantity(jets[i + 1].jacobian));
+    length += step;
+  }
+  return length > 0.0 ? sum / length : quantity(jets.front().jacobian);
+}
+
+PathEnd endOf(Index crossing, Index other) {
+  if (crossing == kNone) return PathEnd::Range;
+  return other == kNone ? PathEnd::Boundary : PathEnd::Bifurcation;
+}
+
+TrackedPath summary(const FaceWay& way, const std::vector<JetSample>& jets) {
+  TrackedPath path;
+  path.index = way.charge;
+  path.begin = endOf(way.begin, way.partner);
+  path.end = endOf(way.end, way.rival);
+  path.strength = mean(jets, [](const Eigen::Matrix2d& j) { return std::sqrt(std::abs(j.determinant())); });
+  path.rotation = mean(jets, rotationOf);
+  for (const JetSample& jet : jets) {
+    if (jet.inSample) path.samples.push_back(jet.sample);
+  }
+  path.kind = mostly(path.samples);
+  return path;
+}
+
+// Hopf bifurcations -------------------------------------------------------------------------------------------------
+
+/// The two jets between which the trace changes its sign lie in one face, or on both sides of one edge.
+Bifurcation hopfBetween(const WaySampler& sampler, const JetSample& a, const JetSample& b) {
+  JetSample low = a, high = b;
+  const bool inside = a.sample.point.face == b.sample.point.face && a.sample.lambda < b.sample.lambda;
+  for (int step = 0; inside && step < kHopfSteps; ++step) {
+    const double from = low.jacobian.trace(), to = high.jacobian.trace();
+    const double lambda = low.sample.lambda + from / (from - to) * (high.sample.lambda - low.sample.lambda);
+    if (!(lambda > low.sample.lambda && lambda < high.sample.lambda)) break;
+    const JetSample middle = sampler.inFace(a.sample.point.face, lambda, 1);
+    (middle.jacobian.trace() > 0.0) == (from > 0.0) ? low = middle : high = middle;
+  }
+  const bool early = std::abs(low.jacobian.trace()) < std::abs(high.jacobian.trace());
+  const PathSample& nearest = (early ? low : high).sample;
+  Bifurcation result;
+  result.lambda = nearest.lambda;
+  result.point = nearest.point;
+  result.position = nearest.position;
+  result.kind = BifurcationKind::Hopf;
+  return result;
+}
+
+/// Signs of the trace are believed where the damping ratio exceeds the tolerance; of the changes between two believed
+/// signs (an odd number) the middle one counts.
+std::vector<Bifurcation> hopfBifurcations(const WaySampler& sampler, const std::vector<JetSample>& jets,
+                                          double damping) {
+  std::vector<Bifurcation> result;
+  std::vector<std::pair<const JetSample*, const JetSample*>> changes;
+  const JetSample* before = nullptr;
+  bool believed = false, outward = false;
+  for (const JetSample& jet : jets) {
+    const double det = jet.jacobian.determinant(), trace = jet.jacobian.trace();
+    if (det <= 0.0 || trace == 0.0) continue;
+    if (before != nullptr && before->jacobian.trace() * trace < 0.0) changes.emplace_back(before, &jet);
+    before = &jet;
+    if (std::abs(trace) <= 2.0 * damping * std::sqrt(det)) continue;
+    if (believed && outward != (trace > 0.0)) {
+      const auto [last, next] = changes[changes.size() / 2];
+      result.push_back(hopfBetween(sampler, *last, *next));
+      result.back().node = trace > 0.0 ? FixedPointKind::Source : FixedPointKind::Sink;
+    }
+    believed = true;
+    outward = trace > 0.0;
+    changes.clear();
+  }
+  return result;
+}
+
+// Pairs ---------------------------------------------------------------------------------------------------------------
+
+/// Source or sink, by the trace of the node next to its end.
+FixedPointKind nodeKind(const std::vector<JetSample>& jets, bool atBegin) {
+  const JetSample& jet = atBegin ? jets.front() : jets.back();
+  return jet.jacobian.trace() > 0.0 ? FixedPointKind::Source : FixedPointKind::Sink;
+}
+
+Bifurcation pairEvent(const ZeroCrossing& crossing, const TriangleMesh& mesh, const WaySampler& sampler,
+                      BifurcationKind kind, FixedPointKind node, std::array<Index, 2> paths) {
+  Bifurcation result;
+  result.lambda = crossing.lambda;
+  result.point = sampler.crossingPoint(crossing, TriangleMesh::face(mesh.edgeHalfedge(crossing.edge)));
+  result.position = position(mesh, result.point);
+  result.kind = kind;
+  result.node = node;
+  result.paths = paths;
+  return result;
+}
+
+}  // namespace
+
+const char* name(BifurcationKind kind) {
+  switch (kind) {
+    case BifurcationKind::Creation:
+      return "creation";
+    case BifurcationKind::Annihilation:
+      return "annihilation";
+    case BifurcationKind::Hopf:
+      break;
+  }
+  return "hopf";
+}
+
+Tracking trackFixedPoints(const ParameterizedField& field, const TrackingOptions& options, Progress& progress) {
+  check(options);
+  const TriangleMesh& mesh = field.charts->mesh();
+  progress.range(0.0, 0.5);
+  const std::vector<ZeroCrossing> crossings = zeroCrossings(field, progress);
+  const std::vector<FaceWay> ways = sweepCharges(mesh, firstIndices(field), crossings, progress);
+
+  progress.range(0.5, 1.0);
+  const WaySampler sampler(field, crossings, options);
+  Tracking result;
+  result.paths.resize(ways.size());
+  std::vector<std::vector<Bifurcation>> events(ways.size());
+  std::atomic<std::size_t> done{0};
+  tbb::parallel_for(std::size_t{0}, ways.size(), [&](std::size_t i) {
+    if (progress.cancelled()) return;
+    const FaceWay& way = ways[i];
+    const std::vector<JetSample> jets = sampler.sample(way);
+    result.paths[i] = summary(way, jets);
+    progress.report(static_cast<double>(++done) / static_cast<double>(ways.size()));
+    if (way.charge < 0) return;
+    const auto self = static_cast<Index>(i);
+    if (way.partner != kNone) {
+      events[i].push_back(pairEvent(crossings[way.begin], mesh, sampler, BifurcationKind::Creation,
+                                    nodeKind(jets, true), {self, way.partner}));
+    }
+    for (Bifurcation& hopf : hopfBifurcations(sampler, jets, options.hopfDamping)) {
+      hopf.paths = {self, kNone};
+      events[i].push_back(hopf);
+    }
+    if (way.rival != kNone) {
+      events[i].push_back(pairEvent(crossings[way.end], mesh, sampler, BifurcationKind::Annihilation,
+                                    nodeKind(jets, false), {self, way.rival}));
+    }
+  });
+  progress.check();
+  for (const auto& of : events) result.bifurcations.insert(result.bifurcations.end(), of.begin(), of.end());
+  std::stable_sort(result.bifurcations.begin(), result.bifurcations.end(),
+                   [](const Bifurcation& a, const Bifurcation& b) { return a.lambda < b.lambda; });
+  progress.report(1.0);
+  return result;
+}
+
+}  // namespace stormfield
