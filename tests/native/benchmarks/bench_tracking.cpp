@@ -2,8 +2,8 @@
 // then guess which belong together).
 #include <benchmark/benchmark.h>
 
-#include "../tracking/tracked_fields.h"
 #include "../tracing/surfaces.h"
+#include "../tracking/tracked_fields.h"
 #include "tracking/tracking.h"
 
 namespace stormfield {
