@@ -25,7 +25,7 @@ struct MorseSetView {
   const MorseSet& data() const { return output->analysis.decomposition.sets[set]; }
   const std::vector<Index>& faces() const {
     const MorseDecomposition& morse = output->analysis.decomposition;
-    return morse.covers.empty() ? morse.faces.faces(set) : morse.covers[set];
+    return morse.covers.empty() ? morse.faces.members(set) : morse.covers[set];
   }
 };
 

@@ -12,8 +12,8 @@ namespace {
 /// 3 i + k, as is the halfedge that starts there.
 class Complex2 {
  public:
-  Complex2(const TriangleMesh& mesh, const IndexSets& sets, Index set, Corners corners)
-      : mesh_(mesh), sets_(sets), set_(set), faces_(sets.faces(set)), vertices_(cornerCount()), pieces_(faceCount()) {
+  Complex2(const TriangleMesh& mesh, const FaceSets& sets, Index set, Corners corners)
+      : mesh_(mesh), sets_(sets), set_(set), faces_(sets.members(set)), vertices_(cornerCount()), pieces_(faceCount()) {
     for (Index c = 0; c < cornerCount(); ++c) {
       const Index twin = twinOf(c);
       if (twin == kNone) {
@@ -60,7 +60,7 @@ class Complex2 {
   }
 
   const TriangleMesh& mesh_;
-  const IndexSets& sets_;
+  const FaceSets& sets_;
   Index set_;
   const std::vector<Index>& faces_;
   UnionFind vertices_, pieces_;
@@ -153,7 +153,7 @@ const char* name(MorseKind kind) {
   return "other";
 }
 
-ConleyIndex conleyIndex(const TriangleMesh& mesh, const IndexSets& sets, Index set, const IndexPair& pair) {
+ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index set, const IndexPair& pair) {
   Complex2 n(mesh, sets, set, pair.corners);
   const ExitSet l = exitSet(n, pair);
   const int b0 = piecesWithoutExit(n, l), b2 = piecesWithinExit(n, pair);

@@ -62,7 +62,7 @@ struct IndexPair {
 };
 
 /// The index of one of the sets.
-ConleyIndex conleyIndex(const TriangleMesh& mesh, const IndexSets& sets, Index set, const IndexPair& pair);
+ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index set, const IndexPair& pair);
 
 /// An upper bound that agrees with the sum of the Poincare indices, `euler`: the least upper bound of the indices up to
 /// `bound` with b0 - b1 + b2 = euler. Where there are none, exits are missing from L: a least triple from `bound` on

@@ -6,11 +6,11 @@ namespace stormfield {
 
 IndexSets::IndexSets(std::vector<Index> setOf, Index count)
     : setOf_(std::move(setOf)), placeOf_(setOf_.size(), kNone), members_(count) {
-  for (Index f = 0; f < static_cast<Index>(setOf_.size()); ++f) {
-    if (setOf_[f] == kNone) continue;
-    std::vector<Index>& faces = members_[setOf_[f]];
-    placeOf_[f] = static_cast<Index>(faces.size());
-    faces.push_back(f);
+  for (Index i = 0; i < static_cast<Index>(setOf_.size()); ++i) {
+    if (setOf_[i] == kNone) continue;
+    std::vector<Index>& members = members_[setOf_[i]];
+    placeOf_[i] = static_cast<Index>(members.size());
+    members.push_back(i);
   }
 }
 

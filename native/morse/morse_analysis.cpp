@@ -285,7 +285,7 @@ MorseAnalysis withSetRefined(const std::shared_ptr<const FlatFaces>& faces, cons
     result.epsilon = analysis.epsilon;
     result.stop = analysis.stop;
     result.transitPersistence = analysis.transitPersistence;
-    result.seconds.map = timed([&] { transits->refineNodes(analysis.nodes.faces(set), &progress); });
+    result.seconds.map = timed([&] { transits->refineNodes(analysis.nodes.members(set), &progress); });
     takeTransits(result, transits, progress);
     return result;
   }
@@ -294,7 +294,7 @@ MorseAnalysis withSetRefined(const std::shared_ptr<const FlatFaces>& faces, cons
   const auto refinement = analysis.refinement
                               ? std::make_shared<MorseRefinement>(*analysis.refinement)
                               : std::make_shared<MorseRefinement>(faces, analysis.field, refinementOptions(options));
-  const Index its = refinement->sets().setOf(analysis.decomposition.faces.faces(set).front());
+  const Index its = refinement->sets().setOf(analysis.decomposition.faces.members(set).front());
   result.seconds.map = timed([&] {
     if (its != kNone) refinement->refineSet(its, &progress);
   });

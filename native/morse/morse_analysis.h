@@ -65,7 +65,7 @@ struct MorseAnalysis {
   std::shared_ptr<const MorseRefinement> refinement;  ///< Tau and Spatial with refine only
   std::shared_ptr<const TransitRefinement> transits;  ///< Geometry with refine only
   bool transitPersistence = false;                    ///< whether it was asked for
-  IndexSets nodes;                                    ///< of the map; Geometry with refine only: nodes of each set
+  NodeSets nodes;                                     ///< of the map; Geometry with refine only: nodes of each set
   std::optional<RefinementStop> stop;                 ///< why it went no further
   MorseDecomposition decomposition;
   struct {

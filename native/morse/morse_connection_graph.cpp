@@ -104,8 +104,8 @@ MorseConnectionGraph morseConnectionGraph(const CombinatorialMap& map, const Com
 }
 
 std::vector<Index> connectionRegion(const CombinatorialMap& map, const IndexSets& sets, Index from, Index to) {
-  const std::vector<char> after = reachable(map.graph, sets.faces(from));
-  const std::vector<char> before = reachable(reversed(map.graph), sets.faces(to));
+  const std::vector<char> after = reachable(map.graph, sets.members(from));
+  const std::vector<char> before = reachable(reversed(map.graph), sets.members(to));
   std::vector<Index> result;
   for (Index f = 0; f < map.outside(); ++f) {
     const bool between = after[f] != 0 && before[f] != 0;

@@ -21,7 +21,7 @@ void checkSize(std::size_t size, Index faces, const char* what) {
 }
 
 /// The sets of those numbers that are chosen.
-IndexSets chosen(const IndexSets& sets, const std::vector<char>& isChosen) {
+FaceSets chosen(const FaceSets& sets, const std::vector<char>& isChosen) {
   std::vector<Index> number(sets.count(), kNone);
   Index count = 0;
   for (Index s = 0; s < sets.count(); ++s) {
@@ -40,7 +40,7 @@ bool meetsBoundary(const TriangleMesh& mesh, const std::vector<Index>& faces) {
 }
 
 std::vector<MorseSet> indexed(const VectorField& field, const CombinatorialMap& map, const std::vector<char>& mapped,
-                              const IndexSets& faces, const Progress& progress) {
+                              const FaceSets& faces, const Progress& progress) {
   const std::vector<int> poincare = poincareIndices(field);
   std::vector<MorseSet> sets(faces.count());
   tbb::parallel_for(Index{0}, faces.count(), [&](Index s) {
@@ -59,7 +59,7 @@ void dropTrivial(MorseDecomposition& morse) {
 
 }  // namespace
 
-IndexSets recurrentSets(const CombinatorialMap& map, const Components& components) {
+FaceSets recurrentSets(const CombinatorialMap& map, const Components& components) {
   std::vector<Index> number(components.count(), kNone), setOf(map.outside(), kNone);
   Index count = 0;
   for (Index f = 0; f < map.outside(); ++f) {
@@ -72,9 +72,9 @@ IndexSets recurrentSets(const CombinatorialMap& map, const Components& component
 }
 
 MorseSet morseSet(const VectorField& field, const CombinatorialMap& map, const std::vector<int>& poincare,
-                  const std::vector<char>& mapped, const IndexSets& faces, Index set) {
+                  const std::vector<char>& mapped, const FaceSets& faces, Index set) {
   MorseSet result;
-  for (const Index f : faces.faces(set)) {
+  for (const Index f : faces.members(set)) {
     result.poincare += poincare[f];
     result.upperBound = result.upperBound || (!mapped.empty() && mapped[f] != 0);
   }
@@ -82,7 +82,7 @@ MorseSet morseSet(const VectorField& field, const CombinatorialMap& map, const s
   result.index = conleyIndex(field.mesh(), faces, set, pair);
   if (!result.upperBound) result.grazings = grazings(field, faces, set);
   // At the boundary of the surface the sum of the Poincare indices says less.
-  if (result.upperBound && !meetsBoundary(field.mesh(), faces.faces(set))) {
+  if (result.upperBound && !meetsBoundary(field.mesh(), faces.members(set))) {
     result.index = agreeing(result.index, result.poincare);
   }
   result.kind = kindOf(result.index);
@@ -99,7 +99,7 @@ MorseDecomposition morseDecomposition(const VectorField& field, const Combinator
   const Components components = stronglyConnectedComponents(map.graph);
   progress.report(0.3);
   progress.check();
-  const IndexSets recurrent = recurrentSets(map, components);
+  const FaceSets recurrent = recurrentSets(map, components);
   const std::vector<char> kept =
       options.keepEmpty ? std::vector<char>(recurrent.count(), 1)
                         : canRecur(mesh, recurrent, options.resting.empty() ? fixedPointFaces(field) : options.resting);

@@ -47,7 +47,7 @@ struct MorseSet {
 };
 
 struct MorseDecomposition {
-  IndexSets faces;             ///< numbered by their first faces
+  FaceSets faces;              ///< numbered by their first faces
   std::vector<MorseSet> sets;  ///< one for each of faces
   /// All faces that each set meets, where sets may be parted inside faces (transit_refinement.h); else empty.
   std::vector<std::vector<Index>> covers;
@@ -60,10 +60,10 @@ MorseDecomposition morseDecomposition(const VectorField& field, const Combinator
                                       const MorseOptions& options, Progress& progress);
 
 /// The strongly connected sets alone, of which the Morse sets are those that can recur.
-IndexSets recurrentSets(const CombinatorialMap& map, const Components& components);
+FaceSets recurrentSets(const CombinatorialMap& map, const Components& components);
 
 /// Index and kind of one set; poincare: index of each face. Sets may be any strongly connected ones of the map.
 MorseSet morseSet(const VectorField& field, const CombinatorialMap& map, const std::vector<int>& poincare,
-                  const std::vector<char>& mapped, const IndexSets& faces, Index set);
+                  const std::vector<char>& mapped, const FaceSets& faces, Index set);
 
 }  // namespace stormfield

@@ -13,13 +13,13 @@ namespace {
 /// One side of the surface around a piece: faces reached from one of its boundary edges without crossing it.
 class Essential {
  public:
-  Essential(const TriangleMesh& mesh, const IndexSets& sets, const std::vector<char>& resting)
+  Essential(const TriangleMesh& mesh, const FaceSets& sets, const std::vector<char>& resting)
       : mesh_(mesh), sets_(sets), resting_(resting), seen_(mesh.faceCount(), 0), walked_(mesh.halfedgeCount(), 0) {}
 
   /// Whether some piece of the set has a closed curve that cannot be contracted.
   bool operator()(Index set) {
     bool found = false;
-    for (const Index f : sets_.faces(set)) {
+    for (const Index f : sets_.members(set)) {
       if (seen_[f] == kPiece) continue;
       const auto inSet = [&](Index g) { return sets_.setOf(g) == set; };
       const std::vector<Index> piece = flood(f, kPiece, inSet, [](Index) { return true; });
@@ -28,7 +28,7 @@ class Essential {
         break;
       }
     }
-    for (const Index f : sets_.faces(set)) forget(f);
+    for (const Index f : sets_.members(set)) forget(f);
     return found;
   }
 
@@ -125,18 +125,18 @@ class Essential {
   }
 
   const TriangleMesh& mesh_;
-  const IndexSets& sets_;
+  const FaceSets& sets_;
   const std::vector<char>& resting_;
   std::vector<char> seen_, walked_;
 };
 
 }  // namespace
 
-std::vector<char> canRecur(const TriangleMesh& mesh, const IndexSets& sets, const std::vector<char>& resting) {
+std::vector<char> canRecur(const TriangleMesh& mesh, const FaceSets& sets, const std::vector<char>& resting) {
   std::vector<char> result(sets.count(), 0);
   Essential essential(mesh, sets, resting);
   for (Index s = 0; s < sets.count(); ++s) {
-    const std::vector<Index>& faces = sets.faces(s);
+    const std::vector<Index>& faces = sets.members(s);
     const bool rests = std::any_of(faces.begin(), faces.end(), [&](Index f) { return resting[f] != 0; });
     result[s] = rests || essential(s) ? 1 : 0;
   }

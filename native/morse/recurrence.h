@@ -15,6 +15,6 @@
 namespace stormfield {
 
 /// Per set whether it can hold recurrence. resting: per face whether it can hold a fixed point.
-std::vector<char> canRecur(const TriangleMesh& mesh, const IndexSets& sets, const std::vector<char>& resting);
+std::vector<char> canRecur(const TriangleMesh& mesh, const FaceSets& sets, const std::vector<char>& resting);
 
 }  // namespace stormfield

@@ -36,10 +36,11 @@ struct LocalParts {
   Components components;     ///< of the places in faces
 };
 
-LocalParts splitSets(const IndexSets& sets, const std::vector<Index>& chosen,
+LocalParts splitSets(const FaceSets& sets, const std::vector<Index>& chosen,
                      const std::vector<std::vector<Index>>& rows) {
   LocalParts parts;
-  for (const Index set : chosen) parts.faces.insert(parts.faces.end(), sets.faces(set).begin(), sets.faces(set).end());
+  for (const Index set : chosen)
+    parts.faces.insert(parts.faces.end(), sets.members(set).begin(), sets.members(set).end());
   std::sort(parts.faces.begin(), parts.faces.end());
   std::vector<Index> place(sets.setOf().size(), kNone);
   for (std::size_t i = 0; i < parts.faces.size(); ++i) place[parts.faces[i]] = static_cast<Index>(i);
@@ -88,7 +89,7 @@ MorseRefinement::MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::sh
   MorseDecomposition start = morseDecomposition(*field_, coarse, morseOptions, silent);
   sets_ = std::move(start.faces);
   indices_ = std::move(start.sets);
-  for (Index set = 0; set < sets_.count(); ++set) trials_.push_back({0.0, edgeTau(sets_.faces(set)), 0, false, {}});
+  for (Index set = 0; set < sets_.count(); ++set) trials_.push_back({0.0, edgeTau(sets_.members(set)), 0, false, {}});
 }
 
 CombinatorialMap MorseRefinement::map() const {
@@ -129,7 +130,7 @@ bool MorseRefinement::isOpen(Index set) const {
 }
 
 double MorseRefinement::priority(Index set) const {
-  return refinementPriority(indices_[set].index, sets_.faces(set).size());
+  return refinementPriority(indices_[set].index, sets_.members(set).size());
 }
 
 /// The sets of the next round, ascending; none when all are done.
@@ -195,7 +196,7 @@ bool MorseRefinement::refineSet(Index set, Progress* progress) {
 double MorseRefinement::doneFraction() const {
   double done = 0.0, all = 1e-300;
   for (Index s = 0; s < sets_.count(); ++s) {
-    const auto size = static_cast<double>(sets_.faces(s).size());
+    const auto size = static_cast<double>(sets_.members(s).size());
     const Trial& trial = trials_[s];
     all += size;
     if (!isOpen(s)) {
@@ -232,20 +233,20 @@ std::vector<char> MorseRefinement::refineAll(const std::vector<Index>& chosen, P
   std::vector<std::size_t> bySize(chosen.size());
   std::iota(bySize.begin(), bySize.end(), std::size_t{0});
   std::sort(bySize.begin(), bySize.end(), [&](std::size_t a, std::size_t b) {
-    return sets_.faces(chosen[a]).size() > sets_.faces(chosen[b]).size();
+    return sets_.members(chosen[a]).size() > sets_.members(chosen[b]).size();
   });
   tbb::parallel_for(
       std::size_t{0}, chosen.size(),
       [&](std::size_t place) {
         const std::size_t i = bySize[place];
         const Index s = chosen[i];
-        computed[i] = tauRowsInside(*flow_, sets_.faces(s), nextTau(trials_[s]), windowsOf(s), progress, &work[i]);
+        computed[i] = tauRowsInside(*flow_, sets_.members(s), nextTau(trials_[s]), windowsOf(s), progress, &work[i]);
       },
       tbb::simple_partitioner());
 
   std::vector<std::vector<Index>> seen(rows_.size());  // rows without those of smaller tau
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const std::vector<Index>& members = sets_.faces(chosen[i]);
+    const std::vector<Index>& members = sets_.members(chosen[i]);
     const auto& [offsets, targets] = computed[i];
     for (std::size_t k = 0; k < members.size(); ++k) {
       seen[members[k]].assign(targets.data() + offsets[k], targets.data() + offsets[k + 1]);
@@ -291,7 +292,7 @@ std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen, std
     }
     setOf[parts.faces[i]] = number[component];
   }
-  const IndexSets fresh(std::move(setOf), static_cast<Index>(parent.size()));
+  const FaceSets fresh(std::move(setOf), static_cast<Index>(parent.size()));
   const std::vector<char> recurs = canRecur(faces_->mesh(), fresh, resting_);
 
   std::vector<char> mapped(faceCount, 0);
@@ -299,7 +300,7 @@ std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen, std
   const CombinatorialMap map = mapOf(seen);
 
   struct Kept {
-    const IndexSets* from;
+    const FaceSets* from;
     Index set;
     MorseSet index;
     Trial trial;
@@ -312,26 +313,27 @@ std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen, std
   for (Index s = 0; s < fresh.count(); ++s) {
     if (recurs[s] == 0) continue;
     Trial trial = trials_[parent[s]];
-    const bool same = fresh.faces(s).size() == sets_.faces(parent[s]).size();
-    trial.scale = edgeTau(fresh.faces(s));
+    const bool same = fresh.members(s).size() == sets_.members(parent[s]).size();
+    trial.scale = edgeTau(fresh.members(s));
     trial.unchanged = same ? trial.unchanged + 1 : 0;
     trial.done = trial.unchanged >= options_.patience;
-    trial.ancestors.push_back({trial.tau, std::make_shared<const std::vector<Index>>(fresh.faces(s))});
+    trial.ancestors.push_back({trial.tau, std::make_shared<const std::vector<Index>>(fresh.members(s))});
     if (same) changed[std::lower_bound(chosen.begin(), chosen.end(), parent[s]) - chosen.begin()] = 0;
     kept.push_back({&fresh, s, morseSet(*field_, map, poincare_, mapped, fresh, s), trial});
   }
-  std::sort(kept.begin(), kept.end(),
-            [](const Kept& a, const Kept& b) { return a.from->faces(a.set).front() < b.from->faces(b.set).front(); });
+  std::sort(kept.begin(), kept.end(), [](const Kept& a, const Kept& b) {
+    return a.from->members(a.set).front() < b.from->members(b.set).front();
+  });
 
   std::vector<Index> all(faceCount, kNone);
   std::vector<MorseSet> indices;
   std::vector<Trial> trials;
   for (const Kept& k : kept) {
-    for (const Index f : k.from->faces(k.set)) all[f] = static_cast<Index>(indices.size());
+    for (const Index f : k.from->members(k.set)) all[f] = static_cast<Index>(indices.size());
     indices.push_back(k.index);
     trials.push_back(k.trial);
   }
-  sets_ = IndexSets(std::move(all), static_cast<Index>(indices.size()));
+  sets_ = FaceSets(std::move(all), static_cast<Index>(indices.size()));
   indices_ = std::move(indices);
   trials_ = std::move(trials);
   return changed;

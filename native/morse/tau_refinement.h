@@ -76,7 +76,7 @@ class MorseRefinement {
   bool refineSet(Index set, Progress* progress = nullptr);
 
   /// The sets that can recur, numbered by their first faces.
-  const IndexSets& sets() const { return sets_; }
+  const FaceSets& sets() const { return sets_; }
   /// Index and kind of each set.
   const std::vector<MorseSet>& indices() const { return indices_; }
   /// The tau of every face's row; 0 where it is the geometry-based one.
@@ -124,7 +124,7 @@ class MorseRefinement {
 
   std::vector<std::vector<Index>> rows_;  ///< of F, per face
   std::vector<double> taus_;
-  IndexSets sets_;
+  FaceSets sets_;
   std::vector<MorseSet> indices_;
   std::vector<Trial> trials_;  ///< per set
   Index steps_ = 0;

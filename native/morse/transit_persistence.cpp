@@ -18,7 +18,7 @@ using Joined = std::vector<Index>;
 
 class Ladder {
  public:
-  Ladder(const TransitRefinement& refinement, const IndexSets& nodes, double least, int steps, Progress& progress)
+  Ladder(const TransitRefinement& refinement, const NodeSets& nodes, double least, int steps, Progress& progress)
       : refinement_(refinement), nodes_(nodes), least_(least), steps_(steps), progress_(progress) {}
 
   double epsilon(int step) const { return least_ * std::pow(kPersistenceStep, step); }
@@ -42,7 +42,7 @@ class Ladder {
       for (const Index node : within.sets()[s]) setOf[node] = static_cast<Index>(s);
     }
     Joined result(nodes_.count());
-    for (Index s = 0; s < nodes_.count(); ++s) result[s] = setOf[nodes_.faces(s).front()];
+    for (Index s = 0; s < nodes_.count(); ++s) result[s] = setOf[nodes_.members(s).front()];
     return result;
   }
 
@@ -71,7 +71,7 @@ class Ladder {
   }
 
   const TransitRefinement& refinement_;
-  const IndexSets& nodes_;
+  const NodeSets& nodes_;
   double least_;
   int steps_, looks_ = 0;
   Progress& progress_;
@@ -89,8 +89,7 @@ double mostEpsilon(const VectorField& field, const std::vector<double>& weights)
 
 }  // namespace
 
-std::vector<double> transitPersistence(const TransitRefinement& refinement, const IndexSets& nodes,
-                                       Progress& progress) {
+std::vector<double> transitPersistence(const TransitRefinement& refinement, const NodeSets& nodes, Progress& progress) {
   std::vector<double> result(nodes.count(), std::numeric_limits<double>::infinity());
   const double most = mostEpsilon(refinement.field(), refinement.options().weights);
   if (nodes.count() < 2 || !(most > 0.0) || !std::isfinite(most)) return result;

@@ -26,6 +26,6 @@ constexpr double kPersistenceStep = 2.0;
 
 /// nodes: of each set, of the refinement's decomposition. Per set the least epsilon above the refinement's own at which
 /// it merges with another; infinite when it never does. Throws Cancelled.
-std::vector<double> transitPersistence(const TransitRefinement& refinement, const IndexSets& nodes, Progress& progress);
+std::vector<double> transitPersistence(const TransitRefinement& refinement, const NodeSets& nodes, Progress& progress);
 
 }  // namespace stormfield

@@ -49,11 +49,11 @@ std::vector<std::vector<Index>> recurrentMembers(const Components& components, c
 }
 
 /// The faces that each set meets: those of its fixed points, and those that it flows through from piece to piece.
-std::vector<std::vector<Index>> facesMet(const TransitMap& map, const CombinatorialMap& graph, const IndexSets& nodes) {
+std::vector<std::vector<Index>> facesMet(const TransitMap& map, const CombinatorialMap& graph, const NodeSets& nodes) {
   std::vector<std::vector<Index>> result(nodes.count());
   for (Index s = 0; s < nodes.count(); ++s) {
     std::vector<Index>& faces = result[s];
-    for (const Index node : nodes.faces(s)) {
+    for (const Index node : nodes.members(s)) {
       const bool goesOn = std::any_of(graph.graph.begin(node), graph.graph.end(node), [&](Index target) {
         return target < static_cast<Index>(nodes.setOf().size()) && nodes.setOf(target) == s;
       });
@@ -66,7 +66,7 @@ std::vector<std::vector<Index>> facesMet(const TransitMap& map, const Combinator
 }
 
 /// Parts the faces among the sets that meet them.
-IndexSets partFaces(const TransitMap& map, const IndexSets& nodes, const std::vector<std::vector<Index>>& covers) {
+FaceSets partFaces(const TransitMap& map, const NodeSets& nodes, const std::vector<std::vector<Index>>& covers) {
   const Index faceCount = map.mesh().faceCount();
   std::vector<Index> setOf(faceCount, kNone), bySize(covers.size());
   std::iota(bySize.begin(), bySize.end(), 0);
@@ -102,7 +102,7 @@ std::vector<char> canRecur(const TransitMap& map, const std::vector<std::vector<
       for (const Index f : covers[s]) setOf[f] = static_cast<Index>(now.size());
       now.push_back(s);
     }
-    const IndexSets sets(std::move(setOf), static_cast<Index>(now.size()));
+    const FaceSets sets(std::move(setOf), static_cast<Index>(now.size()));
     const std::vector<char> recurs = canRecur(map.mesh(), sets, map.resting());
     for (std::size_t i = 0; i < now.size(); ++i) result[now[i]] = recurs[i];
     left = std::move(later);
@@ -344,7 +344,7 @@ TransitDecomposition TransitRefinement::decomposition(bool keepEmpty, bool keepT
   std::iota(nodes.begin(), nodes.end(), 0);
   std::vector<std::vector<Index>> members = recurrentMembers(components, nodes);
   const auto setsOf = [&] {
-    return IndexSets(setOfNodes(members, graph.nodeCount()), static_cast<Index>(members.size()));
+    return NodeSets(setOfNodes(members, graph.nodeCount()), static_cast<Index>(members.size()));
   };
   std::vector<std::vector<Index>> covers = facesMet(map_, result.map, setsOf());
   progress.check();

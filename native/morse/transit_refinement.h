@@ -62,7 +62,7 @@ struct TransitDecomposition {
   /// else to the smallest. covers has all faces that each set meets.
   MorseDecomposition morse;
   CombinatorialMap map;  ///< of all nodes
-  IndexSets nodes;       ///< nodes of each set
+  NodeSets nodes;        ///< nodes of each set
 };
 
 /// A decomposition that can be refined; copies are independent.

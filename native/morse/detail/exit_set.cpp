@@ -9,9 +9,9 @@ namespace stormfield {
 namespace {
 
 /// F(N) less N without outside, ascending.
-std::vector<Index> ledTo(const CombinatorialMap& map, const IndexSets& sets, Index set) {
+std::vector<Index> ledTo(const CombinatorialMap& map, const FaceSets& sets, Index set) {
   std::vector<Index> result;
-  for (const Index f : sets.faces(set)) {
+  for (const Index f : sets.members(set)) {
     for (const Index* t = map.graph.begin(f); t != map.graph.end(f); ++t) {
       if (*t != map.outside() && sets.setOf(*t) != set) result.push_back(*t);
     }
@@ -29,11 +29,11 @@ Exit boundaryExit(const VectorField& field, Index h) {
   return head.imag() > 0.0 ? Exit::AtTail : Exit::Whole;
 }
 
-IndexPair edgePair(const VectorField& field, const IndexSets& sets, Index set, const std::vector<Index>& targets) {
+IndexPair edgePair(const VectorField& field, const FaceSets& sets, Index set, const std::vector<Index>& targets) {
   const TriangleMesh& mesh = field.mesh();
   IndexPair pair;
-  pair.exits.reserve(3 * sets.faces(set).size());
-  for (const Index f : sets.faces(set)) {
+  pair.exits.reserve(3 * sets.members(set).size());
+  for (const Index f : sets.members(set)) {
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index twin = mesh.twin(h);
       if (twin == kNone) {
@@ -70,11 +70,11 @@ bool grazesCorner(const VectorField& field, Index first, Index last, double angl
 
 }  // namespace
 
-IndexPair flowPair(const VectorField& field, const CombinatorialMap& map, const IndexSets& sets, Index set) {
+IndexPair flowPair(const VectorField& field, const CombinatorialMap& map, const FaceSets& sets, Index set) {
   return edgePair(field, sets, set, ledTo(map, sets, set));
 }
 
-IndexPair mapPair(const VectorField& field, const CombinatorialMap& map, const IndexSets& sets, Index set) {
+IndexPair mapPair(const VectorField& field, const CombinatorialMap& map, const FaceSets& sets, Index set) {
   const std::vector<Index> targets = ledTo(map, sets, set);
   IndexPair pair = edgePair(field, sets, set, targets);
   pair.corners = Corners::Together;
@@ -86,11 +86,11 @@ IndexPair mapPair(const VectorField& field, const CombinatorialMap& map, const I
   return pair;
 }
 
-int grazings(const VectorField& field, const IndexSets& sets, Index set) {
+int grazings(const VectorField& field, const FaceSets& sets, Index set) {
   const TriangleMesh& mesh = field.mesh();
   const auto isInside = [&](Index h) { return h != kNone && sets.setOf(TriangleMesh::face(h)) == set; };
   int count = 0;
-  for (const Index f : sets.faces(set)) {
+  for (const Index f : sets.members(set)) {
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       if (isInside(mesh.twin(h))) continue;
       if (mesh.twin(h) == kNone) count += grazesEdge(field, h);

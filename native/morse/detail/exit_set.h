@@ -15,13 +15,13 @@
 namespace stormfield {
 
 /// For the strongly connected sets of a geometry-based map: an isolating block of the flow.
-IndexPair flowPair(const VectorField& field, const CombinatorialMap& map, const IndexSets& sets, Index set);
+IndexPair flowPair(const VectorField& field, const CombinatorialMap& map, const FaceSets& sets, Index set);
 
 /// For any strongly connected set of any map: N and L are the closed unions of its faces and of F(N) less N, seen
 /// within N (by excision the same homology).
-IndexPair mapPair(const VectorField& field, const CombinatorialMap& map, const IndexSets& sets, Index set);
+IndexPair mapPair(const VectorField& field, const CombinatorialMap& map, const FaceSets& sets, Index set);
 
 /// Grazings of the boundary of the surface, for an isolating block of the flow.
-int grazings(const VectorField& field, const IndexSets& sets, Index set);
+int grazings(const VectorField& field, const FaceSets& sets, Index set);
 
 }  // namespace stormfield

@@ -251,7 +251,7 @@ TEST(TransitRefinementOfAllFields, IsWhatTheMapOfAllPiecesAtOnceGives) {
     Progress progress;
     const TransitDecomposition whole = refinement.decomposition(true, true, progress);
     std::set<std::vector<Index>> bySteps(refinement.sets().begin(), refinement.sets().end()), atOnce;
-    for (Index set = 0; set < whole.nodes.count(); ++set) atOnce.insert(whole.nodes.faces(set));
+    for (Index set = 0; set < whole.nodes.count(); ++set) atOnce.insert(whole.nodes.members(set));
     EXPECT_EQ(bySteps, atOnce);
   }
 }
@@ -350,7 +350,7 @@ TEST(TransitRefinementOfAllFields, PersistenceIsWhereSetsMerge) {
     const TransitRefinement within = refinement.within(epsilon);
     for (const std::vector<Index>& nodes : within.sets()) {
       const auto holds = [&](Index s) {
-        return std::binary_search(nodes.begin(), nodes.end(), found.nodes.faces(s).front());
+        return std::binary_search(nodes.begin(), nodes.end(), found.nodes.members(s).front());
       };
       if (!holds(set)) continue;
       for (Index other = 0; other < found.nodes.count(); ++other) {

@@ -158,9 +158,9 @@ TEST(MeanSpeed, IsAnAreaMean) {
 void expectWithin(const MorseDecomposition& noisy, const MorseDecomposition& bound) {
   std::vector<Index> inside(noisy.sets.size());
   for (Index s = 0; s < noisy.faces.count(); ++s) {
-    inside[s] = bound.faces.setOf(noisy.faces.faces(s)[0]);
+    inside[s] = bound.faces.setOf(noisy.faces.members(s)[0]);
     ASSERT_NE(inside[s], kNone);
-    for (const Index f : noisy.faces.faces(s)) ASSERT_EQ(bound.faces.setOf(f), inside[s]);
+    for (const Index f : noisy.faces.members(s)) ASSERT_EQ(bound.faces.setOf(f), inside[s]);
   }
   const Index n = bound.faces.count();
   std::vector<std::vector<char>> reach(n, std::vector<char>(n, 0));
@@ -196,7 +196,7 @@ TEST(ErrorBoundedDecomposition, HoldsUnderNoiseInEveryRunWhileFixedPointsChange)
     for (Index s = 0; s < bound.faces.count(); ++s) {
       if (bound.sets[s].index == ConleyIndex{}) continue;
       int inside = 0;
-      for (Index t = 0; t < morse.faces.count(); ++t) inside += bound.faces.setOf(morse.faces.faces(t)[0]) == s;
+      for (Index t = 0; t < morse.faces.count(); ++t) inside += bound.faces.setOf(morse.faces.members(t)[0]) == s;
       EXPECT_GT(inside, 0);
     }
   }
@@ -219,7 +219,7 @@ std::vector<double> byTrying(const ErrorBoundedMap& bounded, const IndexSets& se
     const Components parts = stronglyConnectedComponents(mapWithin(bounded, level).graph);
     for (Index a = 0; a < sets.count(); ++a) {
       for (Index b = 0; b < sets.count(); ++b) {
-        if (a == b || parts.of[sets.faces(a)[0]] != parts.of[sets.faces(b)[0]]) continue;
+        if (a == b || parts.of[sets.members(a)[0]] != parts.of[sets.members(b)[0]]) continue;
         result[a] = std::min(result[a], level);
       }
     }

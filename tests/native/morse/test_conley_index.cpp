@@ -18,10 +18,10 @@ ConleyIndex indexOf(const TriangleMesh& mesh, const std::vector<char>& inside, c
                     Corners corners = Corners::Apart) {
   std::vector<Index> setOf(mesh.faceCount(), kNone);
   for (Index f = 0; f < mesh.faceCount(); ++f) setOf[f] = inside[f] != 0 ? 0 : kNone;
-  const IndexSets sets(std::move(setOf), 1);
+  const FaceSets sets(std::move(setOf), 1);
   IndexPair pair;
   pair.corners = corners;
-  for (const Index f : sets.faces(0)) {
+  for (const Index f : sets.members(0)) {
     for (Index h = 3 * f; h < 3 * f + 3; ++h) pair.exits.push_back(choose(mesh, h));
   }
   return conleyIndex(mesh, sets, 0, pair);

@@ -227,10 +227,10 @@ TEST(MorseDecomposition, RelabelledFacesAndVerticesHaveTheSameSets) {
   ASSERT_EQ(one.sets.size(), two.sets.size());
   std::vector<Index> same(one.sets.size());
   for (std::size_t s1 = 0; s1 < one.sets.size(); ++s1) {
-    const auto& faces = one.faces.faces(static_cast<Index>(s1));
+    const auto& faces = one.faces.members(static_cast<Index>(s1));
     same[s1] = two.faces.setOf(face[faces[0]]);
     ASSERT_NE(same[s1], kNone);
-    ASSERT_EQ(faces.size(), two.faces.faces(same[s1]).size());
+    ASSERT_EQ(faces.size(), two.faces.members(same[s1]).size());
     for (const Index f : faces) EXPECT_EQ(two.faces.setOf(face[f]), same[s1]);
     EXPECT_EQ(one.sets[s1].index, two.sets[same[s1]].index);
   }
@@ -264,7 +264,7 @@ TEST(MorseConnectionGraph, HasTheReachabilityOfTheMapAndNoEdgeTooMany) {
     std::vector<std::vector<char>> reach(n, std::vector<char>(n, 0)), byEdges = reach;
     for (Index a = 0; a < n; ++a) {
       std::vector<char> seen(map.graph.nodeCount(), 0);
-      std::vector<Index> open = morse.faces.faces(a);
+      std::vector<Index> open = morse.faces.members(a);
       while (!open.empty()) {
         const Index f = open.back();
         open.pop_back();
@@ -274,7 +274,7 @@ TEST(MorseConnectionGraph, HasTheReachabilityOfTheMapAndNoEdgeTooMany) {
           open.push_back(*t);
         }
       }
-      for (Index b = 0; b < n; ++b) reach[a][b] = a != b && seen[morse.faces.faces(b)[0]] != 0;
+      for (Index b = 0; b < n; ++b) reach[a][b] = a != b && seen[morse.faces.members(b)[0]] != 0;
     }
     const auto closure = [&](std::size_t without) {
       std::vector<std::vector<char>> result(n, std::vector<char>(n, 0));
@@ -302,7 +302,7 @@ TEST(MorseConnectionGraph, ConnectionRegionsLieBetween) {
   const auto [from, to] = morse.graph.edges.at(0);
   const auto forth = connectionRegion(map, morse.faces, from, to), back = connectionRegion(map, morse.faces, to, from);
   std::size_t inSets = 0;
-  for (const Index set : {from, to}) inSets += morse.faces.faces(set).size();
+  for (const Index set : {from, to}) inSets += morse.faces.members(set).size();
   EXPECT_EQ(forth.size() + inSets, static_cast<std::size_t>(field.mesh().faceCount()));
   EXPECT_TRUE(back.empty());
 }
@@ -326,7 +326,7 @@ TEST(MorseDecomposition, OfARegionOfZerosIsOneSet) {
   });
   const MorseDecomposition morse = decomposed(field);
   EXPECT_EQ(kinds(morse), "sink");
-  EXPECT_GT(morse.faces.faces(0).size(), 100U);
+  EXPECT_GT(morse.faces.members(0).size(), 100U);
 }
 
 TEST(MorseDecomposition, OfOneTriangle) {
@@ -347,7 +347,7 @@ TEST(MorseDecomposition, OfSeveralComponents) {
     expectPoincare(morse, "several components");
     for (const auto& [a, b] : morse.graph.edges) {
       const auto componentOf = [&](Index set) {
-        return charts->mesh().component(charts->mesh().vertex(morse.faces.faces(set)[0], 0));
+        return charts->mesh().component(charts->mesh().vertex(morse.faces.members(set)[0], 0));
       };
       EXPECT_EQ(componentOf(a), componentOf(b));
     }

@@ -40,7 +40,7 @@ std::shared_ptr<const FlatFaces> flatFaces(const VectorField& field) {
   return std::make_shared<const FlatFaces>(field.charts);
 }
 
-IndexSets setsOf(const VectorField& field, const CombinatorialMap& map, const std::vector<double>& taus) {
+FaceSets setsOf(const VectorField& field, const CombinatorialMap& map, const std::vector<double>& taus) {
   MorseOptions options;
   for (const double tau : taus) options.mapped.push_back(tau > 0.0);
   Progress progress;
@@ -76,7 +76,7 @@ class Recomputation {
     const double last = *std::max_element(taus.begin(), taus.end());
     for (double tau = *options.tauMin; tau <= last; tau *= 2.0) step(tau);
   }
-  const IndexSets& sets() const { return sets_; }
+  const FaceSets& sets() const { return sets_; }
   const std::vector<std::vector<Index>>& rows() const { return rows_; }
 
  private:
@@ -87,7 +87,7 @@ class Recomputation {
   void step(double tau) {
     std::vector<std::vector<Index>> inside(rows_.size());
     for (Index s = 0; s < sets_.count(); ++s) {
-      const auto& members = sets_.faces(s);
+      const auto& members = sets_.members(s);
       if (std::all_of(members.begin(), members.end(), [&](Index f) { return taus_[f] >= tau; })) makeRows(s, tau);
       for (const Index f : members) {
         std::copy_if(rows_[f].begin(), rows_[f].end(), std::back_inserter(inside[f]),
@@ -95,15 +95,15 @@ class Recomputation {
       }
     }
     const CombinatorialMap map = mapOf(inside);
-    const IndexSets parts = recurrentSets(map, stronglyConnectedComponents(map.graph));
+    const FaceSets parts = recurrentSets(map, stronglyConnectedComponents(map.graph));
     const std::vector<char> recurs = canRecur(field_.mesh(), parts, resting_);
     std::vector<Index> setOf(rows_.size(), kNone);
     std::vector<Chain> chains;
     for (Index s = 0; s < parts.count(); ++s) {
       if (recurs[s] == 0) continue;
-      for (const Index f : parts.faces(s)) setOf[f] = static_cast<Index>(chains.size());
-      chains.push_back(chains_[sets_.setOf(parts.faces(s).front())]);
-      chains.back().push_back(std::make_shared<const std::vector<Index>>(parts.faces(s)));
+      for (const Index f : parts.members(s)) setOf[f] = static_cast<Index>(chains.size());
+      chains.push_back(chains_[sets_.setOf(parts.members(s).front())]);
+      chains.back().push_back(std::make_shared<const std::vector<Index>>(parts.members(s)));
     }
     sets_ = {std::move(setOf), static_cast<Index>(chains.size())};
     chains_ = std::move(chains);
@@ -121,7 +121,7 @@ class Recomputation {
       const int age = doublings - k, place = static_cast<int>(chain.size()) - age;
       windows.levels.push_back(place < 0 ? nullptr : chain[place]);
     }
-    const auto& members = sets_.faces(set);
+    const auto& members = sets_.members(set);
     const TauRows made = tauRowsInside(flow_, members, tau, windows);
     for (std::size_t i = 0; i < members.size(); ++i) {
       const Index f = members[i];
@@ -145,7 +145,7 @@ class Recomputation {
   TauFlow flow_;
   std::vector<Index> order_;
   std::vector<std::vector<Index>> rows_;
-  IndexSets sets_;
+  FaceSets sets_;
   std::vector<Chain> chains_;
 };
 
@@ -200,7 +200,7 @@ TEST(Refinement, PartsOfTheGasEngineDoNotDependOnTheOrder) {
   const MorseRefinement start(faces, field);
   std::vector<Index> small;  // first faces of sets
   for (Index s = 0; s < start.sets().count() && small.size() < 6; ++s) {
-    const auto& members = start.sets().faces(s);
+    const auto& members = start.sets().members(s);
     if (members.size() > 20 && members.size() < 100) small.push_back(members.front());
   }
   ASSERT_GT(small.size(), 2u);
@@ -220,10 +220,10 @@ TEST(Refinement, SetsStayWithinThoseTheyComeFrom) {
   const auto field = std::make_shared<const VectorField>(randomField(makeCharts(icosphere(2)), 8));
   MorseRefinement refinement(flatFaces(*field), field, {.edgesMin = 1.0});
   for (int i = 0; i < 3; ++i) {
-    const IndexSets before = refinement.sets();
+    const FaceSets before = refinement.sets();
     if (!refinement.round()) break;
     for (Index s = 0; s < refinement.sets().count(); ++s) {
-      const auto& faces = refinement.sets().faces(s);
+      const auto& faces = refinement.sets().members(s);
       EXPECT_NE(before.setOf(faces.front()), kNone);
       for (const Index f : faces) EXPECT_EQ(before.setOf(f), before.setOf(faces.front()));
     }
@@ -349,7 +349,7 @@ TEST(Refinement, RefinesOneSetByHand) {
   const MorseRefinement copy = refinement;
   Index largest = 0;
   for (Index s = 0; s < refinement.sets().count(); ++s) {
-    if (refinement.sets().faces(s).size() > refinement.sets().faces(largest).size()) largest = s;
+    if (refinement.sets().members(s).size() > refinement.sets().members(largest).size()) largest = s;
   }
   EXPECT_TRUE(refinement.refineSet(largest));
   for (std::size_t f = 0; f < refinement.taus().size(); ++f) {

@@ -115,7 +115,7 @@ TEST(TransitRefinement, IsWhatTheMapOfAllPiecesAtOnceGives) {
     Progress progress;
     const TransitDecomposition whole = refinement.decomposition(true, true, progress);
     std::set<std::vector<Index>> bySteps(refinement.sets().begin(), refinement.sets().end()), atOnce;
-    for (Index set = 0; set < whole.nodes.count(); ++set) atOnce.insert(whole.nodes.faces(set));
+    for (Index set = 0; set < whole.nodes.count(); ++set) atOnce.insert(whole.nodes.members(set));
     EXPECT_EQ(bySteps, atOnce);
   }
 }
