@@ -9,34 +9,35 @@
 
 namespace stormfield::kernels {
 
-/// A vector of so many bytes. InMemory is the same anywhere in an array. Vectors are never passed by value.
+/// A vector register of that many bytes. Registers wider than the processor's are never instantiated, because passing
+/// them by value would depend on how a file is compiled.
 template <int Bytes, typename Real>
 struct Register;
 template <>
 struct Register<16, float> {
   using Type = float __attribute__((vector_size(16)));
-  using InMemory = float __attribute__((vector_size(16), aligned(4), may_alias));
 };
 template <>
 struct Register<32, float> {
   using Type = float __attribute__((vector_size(32)));
-  using InMemory = float __attribute__((vector_size(32), aligned(4), may_alias));
 };
 template <>
 struct Register<16, double> {
   using Type = double __attribute__((vector_size(16)));
-  using InMemory = double __attribute__((vector_size(16), aligned(8), may_alias));
 };
 template <int Bytes, typename Real>
 using VectorOf = typename Register<Bytes, Real>::Type;
 
+/// Copies, because a reference to an under-aligned vector loses its alignment under Clang. One instruction each.
 template <int Bytes, typename Real>
-inline const typename Register<Bytes, Real>::InMemory& loadVector(const Real* p) {
-  return *reinterpret_cast<const typename Register<Bytes, Real>::InMemory*>(p);
+inline VectorOf<Bytes, Real> loadVector(const Real* p) {
+  VectorOf<Bytes, Real> v;
+  __builtin_memcpy(&v, p, Bytes);
+  return v;
 }
 template <int Bytes, typename Real>
 inline void storeVector(Real* p, const VectorOf<Bytes, Real>& v) {
-  *reinterpret_cast<typename Register<Bytes, Real>::InMemory*>(p) = v;
+  __builtin_memcpy(p, &v, Bytes);
 }
 
 /// One coupling of a row: the neighbour and the matrix entry.

@@ -11,7 +11,7 @@ namespace stormfield::kernels {
 using Vector = VectorOf<16, float>;
 
 template <typename Real>
-inline const typename Register<16, Real>::InMemory& load(const Real* p) {
+inline VectorOf<16, Real> load(const Real* p) {
   return loadVector<16>(p);
 }
 template <typename Real>

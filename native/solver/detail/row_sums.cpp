@@ -1,5 +1,7 @@
 #include "solver/detail/row_sums.h"
 
+#include "base/processor.h"
+
 namespace stormfield::kernels {
 
 #ifdef STORMFIELD_AVX2
@@ -9,7 +11,7 @@ RowSums rowSumsForAvx2();
 const RowSums& rowSums() {
   static const RowSums table = [] {
 #ifdef STORMFIELD_AVX2
-    if (__builtin_cpu_supports("avx2")) return rowSumsForAvx2();
+    if (hasAvx2()) return rowSumsForAvx2();
 #endif
     return RowSumsOf<16>::table();
   }();

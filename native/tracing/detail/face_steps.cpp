@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/processor.h"
+
 namespace stormfield {
 namespace lanes {
 
@@ -21,7 +23,7 @@ void stepEight(ParticlesOf<8>& particles, const KernelLimits& limits) {
 
 StepEight choose(bool curved) {
 #ifdef STORMFIELD_AVX2
-  if (__builtin_cpu_supports("avx2")) return stepEightForAvx2(curved);
+  if (hasAvx2()) return stepEightForAvx2(curved);
 #endif
   return curved ? stepEight<true> : stepEight<false>;
 }
