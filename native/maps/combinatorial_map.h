@@ -16,7 +16,7 @@ struct CombinatorialMap {
 
 /// The map of all faces' rows, each a range of targets that ascend.
 template <typename Row>
-CombinatorialMap mapOf(const std::vector<Row>& rows) {
+CombinatorialMap mapFromRows(const std::vector<Row>& rows) {
   CombinatorialMap map;
   auto& [offsets, targets] = map.graph;
   offsets.reserve(rows.size() + 2);

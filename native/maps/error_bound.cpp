@@ -110,7 +110,7 @@ std::vector<double> checkedWeights(const VectorField& field, const std::vector<d
   return weights;
 }
 
-std::vector<double> restingLevels(const VectorField& field, const std::vector<double>& givenWeights) {
+std::vector<double> fixedPointEpsilons(const VectorField& field, const std::vector<double>& givenWeights) {
   const std::vector<double> weights = checkedWeights(field, givenWeights);
   const std::vector<char> resting = fixedPointFaces(field);
   std::vector<double> result(resting.size());
@@ -128,12 +128,12 @@ ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<doub
   const TriangleMesh& mesh = field.mesh();
   const std::vector<double> weights = checkedWeights(field, givenWeights);
   ErrorBoundedMap result;
-  result.restsFrom = restingLevels(field, weights);
+  result.faceEpsilon = fixedPointEpsilons(field, weights);
   std::vector<Row> rows(mesh.faceCount());
   progress.check();
   tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
     if (progress.cancelled()) return;
-    rows[f].add(f, result.restsFrom[f]);
+    rows[f].add(f, result.faceEpsilon[f]);
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index twin = mesh.twin(h);
       rows[f].add(twin == kNone ? mesh.faceCount() : TriangleMesh::face(twin), leavesFrom(field, weights, h));
@@ -145,7 +145,7 @@ ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<doub
   for (const Row& row : rows) {
     for (int i = 0; i < row.count; ++i) {
       graph.targets.push_back(row.edges[i].first);
-      result.from.push_back(row.edges[i].second);
+      result.edgeEpsilon.push_back(row.edges[i].second);
     }
     graph.offsets.push_back(graph.targets.size());
   }
@@ -153,22 +153,22 @@ ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<doub
   return result;
 }
 
-CombinatorialMap mapWithin(const ErrorBoundedMap& bounded, double epsilon) {
+CombinatorialMap mapWithinEpsilon(const ErrorBoundedMap& bounded, double epsilon) {
   const DirectedGraph& all = bounded.map.graph;
   CombinatorialMap result;
   result.graph.offsets.reserve(all.offsets.size());
   for (Index node = 0; node < all.nodeCount(); ++node) {
     for (std::size_t e = all.offsets[node]; e < all.offsets[node + 1]; ++e) {
-      if (bounded.from[e] <= epsilon) result.graph.targets.push_back(all.targets[e]);
+      if (bounded.edgeEpsilon[e] <= epsilon) result.graph.targets.push_back(all.targets[e]);
     }
     result.graph.offsets.push_back(result.graph.targets.size());
   }
   return result;
 }
 
-std::vector<char> restingWithin(const ErrorBoundedMap& bounded, double epsilon) {
-  std::vector<char> result(bounded.restsFrom.size());
-  std::transform(bounded.restsFrom.begin(), bounded.restsFrom.end(), result.begin(),
+std::vector<char> fixedPointFacesWithinEpsilon(const ErrorBoundedMap& bounded, double epsilon) {
+  std::vector<char> result(bounded.faceEpsilon.size());
+  std::transform(bounded.faceEpsilon.begin(), bounded.faceEpsilon.end(), result.begin(),
                  [=](double from) { return from <= epsilon ? 1 : 0; });
   return result;
 }

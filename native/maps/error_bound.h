@@ -10,8 +10,8 @@
 // sets, and all that follows from them, therefore contain those of every field within the bound.
 //
 //   const ErrorBoundedMap bounded = errorBoundedMap(field, {});
-//   const CombinatorialMap map = mapWithin(bounded, 0.1);       // fields that differ by up to 0.1 mesh units per
-//   second
+//   const CombinatorialMap map = mapWithinEpsilon(bounded, 0.1);       // fields that differ by up to 0.1 mesh units
+//   per second
 #pragma once
 
 #include <vector>
@@ -25,8 +25,8 @@ namespace stormfield {
 /// Every edge that F can have, each with the least epsilon from which it is there; 0 for the edges of F itself.
 struct ErrorBoundedMap {
   CombinatorialMap map;
-  std::vector<double> from;       ///< per edge, in the order of map.graph.targets; infinite where it never comes
-  std::vector<double> restsFrom;  ///< per face the epsilon from which it can hold a fixed point: that of its loop
+  std::vector<double> edgeEpsilon;  ///< per edge, in the order of map.graph.targets; infinite where it never comes
+  std::vector<double> faceEpsilon;  ///< per face the epsilon from which it can hold a fixed point: that of its loop
 };
 
 /// weights: one per vertex, not negative, epsilon is multiplied by them; empty for 1 everywhere. Throws InputError
@@ -38,12 +38,12 @@ ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<doub
 ErrorBoundedMap errorBoundedMap(const VectorField& field, const std::vector<double>& weights, Progress& progress);
 
 /// F for all fields within epsilon >= 0.
-CombinatorialMap mapWithin(const ErrorBoundedMap& bounded, double epsilon);
+CombinatorialMap mapWithinEpsilon(const ErrorBoundedMap& bounded, double epsilon);
 /// Per face whether it can hold a fixed point of a field within epsilon.
-std::vector<char> restingWithin(const ErrorBoundedMap& bounded, double epsilon);
+std::vector<char> fixedPointFacesWithinEpsilon(const ErrorBoundedMap& bounded, double epsilon);
 
 /// Per face the epsilon from which it can hold a fixed point, 0 where it does. Throws InputError naming the vertex.
-std::vector<double> restingLevels(const VectorField& field, const std::vector<double>& weights);
+std::vector<double> fixedPointEpsilons(const VectorField& field, const std::vector<double>& weights);
 /// One weight per vertex, also where none were given. Throws InputError naming the vertex.
 std::vector<double> checkedWeights(const VectorField& field, const std::vector<double>& weights);
 

@@ -90,7 +90,7 @@ CombinatorialMap geometryMap(const VectorField& field) {
   std::vector<Row> rows(mesh.faceCount());
   tbb::parallel_for(Index{0}, mesh.faceCount(),
                     [&](Index f) { rows[f] = rowOf(mesh, crossings, f, indices[f] != 0 || hasZeroCorner(field, f)); });
-  return mapOf(rows);
+  return mapFromRows(rows);
 }
 
 }  // namespace stormfield

@@ -31,7 +31,7 @@ double rateOf(Direction direction) {
 class Journey {
  public:
   Journey() = default;
-  Journey(const Arrival& from, double tau)
+  Journey(const AdvectedPoint& from, double tau)
       : from_(from.point), before_(from.point), tau_(tau), radius_(from.radius), face_(from.point.face) {}
 
   const SurfacePoint& from() const { return from_; }
@@ -47,7 +47,7 @@ class Journey {
     return rest;
   }
   /// To be told of every step too, where there is an error: the face it came to, and when in this stretch.
-  void part(const Parting& parting, Index face, double time) {
+  void part(const DivergenceBound& parting, Index face, double time) {
     radius_ = parting.after(radius_, face_, time - time_);
     face_ = face;
     time_ = time;
@@ -60,7 +60,7 @@ class Journey {
     time_ = 0.0;
     return true;
   }
-  Arrival arrival(const TraceEnd& end) const { return {end.point, end.reason == StopReason::Boundary, radius_}; }
+  AdvectedPoint arrival(const TraceEnd& end) const { return {end.point, end.reason == StopReason::Boundary, radius_}; }
 
  private:
   SurfacePoint from_, before_;
@@ -70,60 +70,60 @@ class Journey {
 };
 
 template <typename Flow>
-class FlowMover final : public Mover {
+class FlowAdvector final : public PointAdvector {
  public:
-  FlowMover(const FlatFaces& faces, const Flow& flow, const TraceOptions& options, const Parting* parting,
-            const Progress* progress)
-      : integrator_(faces, flow, options, 0.0), parting_(parting), progress_(progress) {}
+  FlowAdvector(const FlatFaces& faces, const Flow& flow, const TraceOptions& options, const DivergenceBound* parting,
+               const Progress* progress)
+      : integrator_(faces, flow, options, 0.0), divergenceBound_(parting), progress_(progress) {}
 
-  Arrival move(const Arrival& from, double tau) override {
+  AdvectedPoint advect(const AdvectedPoint& from, double tau) override {
     return follow(from, tau, [](const SurfacePoint&, double) {});
   }
 
-  void moveAll(Moves& moves) override {
+  void advectAll(AdvectionQueue& moves) override {
     if constexpr (std::is_same_v<Flow, SteadyFlow>) {
       SideBySide work{*this, moves, {}, {}};
       traceSideBySide(integrator_, work);
     } else {
-      Arrival from;
+      AdvectedPoint from;
       double tau = 0.0;
-      while (moves.next(0, from, tau)) moves.arrive(0, move(from, tau));
+      while (moves.next(0, from, tau)) moves.arrive(0, advect(from, tau));
     }
   }
 
-  std::vector<PathPoint> way(const SurfacePoint& from, double tau) override {
-    std::vector<PathPoint> passages;
+  std::vector<TrajectoryPoint> trajectory(const SurfacePoint& from, double tau) override {
+    std::vector<TrajectoryPoint> passages;
     follow({.point = from}, tau, [&](const SurfacePoint& p, double time) { passages.push_back({p, time}); });
     return passages;
   }
 
  private:
   template <typename Visit>
-  Arrival follow(const Arrival& from, double tau, const Visit& visit) {
+  AdvectedPoint follow(const AdvectedPoint& from, double tau, const Visit& visit) {
     Journey journey(from, tau);
     while (true) {
       const TraceEnd end =
           integrator_.run(journey.from(), 0.0, journey.left(), [&](const SurfacePoint& p, double time) {
             look();
             visit(p, journey.done() + time);
-            if (parting_ != nullptr) journey.part(*parting_, p.face, time);
+            if (divergenceBound_ != nullptr) journey.part(*divergenceBound_, p.face, time);
             return !journey.rests([&] { return p; });
           });
       if (!journey.goesOn(end)) return journey.arrival(end);
     }
   }
 
-  static_assert(FaceSteps::kCount <= Moves::kLanes);
+  static_assert(FaceSteps::kCount <= AdvectionQueue::kLanes);
   struct SideBySide {
-    FlowMover& mover;
-    Moves& moves;
-    std::array<Journey, Moves::kLanes> journeys;
-    std::array<bool, Moves::kLanes> goesOn;
+    FlowAdvector& advector;
+    AdvectionQueue& moves;
+    std::array<Journey, AdvectionQueue::kLanes> journeys;
+    std::array<bool, AdvectionQueue::kLanes> goesOn;
 
     bool next(int lane, SurfacePoint& seed, double& maximalTime) {
       Journey& journey = journeys[lane];
       if (!goesOn[lane]) {
-        Arrival from;
+        AdvectedPoint from;
         double tau = 0.0;
         if (!moves.next(lane, from, tau)) return false;
         journey = Journey(from, tau);
@@ -134,9 +134,9 @@ class FlowMover final : public Mover {
       return true;
     }
     bool step(int lane, const Integrator<Flow>& integrator) {
-      mover.look();
-      if (mover.parting_ != nullptr) {
-        journeys[lane].part(*mover.parting_, integrator.here().face, integrator.elapsed());
+      advector.look();
+      if (advector.divergenceBound_ != nullptr) {
+        journeys[lane].part(*advector.divergenceBound_, integrator.here().face, integrator.elapsed());
       }
       return !journeys[lane].rests([&] { return integrator.here(); });
     }
@@ -151,7 +151,7 @@ class FlowMover final : public Mover {
   }
 
   Integrator<Flow> integrator_;
-  const Parting* parting_;
+  const DivergenceBound* divergenceBound_;
   const Progress* progress_;
   unsigned steps_ = 0;
 };
@@ -187,8 +187,8 @@ std::vector<double> slowSpeeds(const VectorField& field) {
   return sum;
 }
 
-TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit, double tolerance,
-                 const FieldError& error)
+PreparedFlow::PreparedFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit, double tolerance,
+                           const FieldError& error)
     : faces_(&faces), field_(&field), unit_(unit), tolerance_(tolerance), flowsOut_(mesh().halfedgeCount(), 0) {
   if (field.values.size() != static_cast<std::size_t>(mesh().vertexCount())) {
     throw InputError("the field of the tau map belongs to another mesh");
@@ -206,17 +206,18 @@ TauFlow::TauFlow(const FlatFaces& faces, const VectorField& field, TauUnit unit,
     along_ = prepareFaces(faces, SteadyFlow(field.values.data(), rateOf(Direction::Forward)));
     against_ = prepareFaces(faces, SteadyFlow(field.values.data(), rateOf(Direction::Backward)));
   }
-  resting_ = fixedPointFaces(field);
+  holdsFixedPoint_ = fixedPointFaces(field);
   measureFaces();
   checkError(mesh(), error);
-  if (error.epsilon > 0.0) parting_ = std::make_unique<const Parting>(faces, field, unit, growth_, slowSpeeds_, error);
+  if (error.epsilon > 0.0)
+    divergenceBound_ = std::make_unique<const DivergenceBound>(faces, field, unit, growth_, slowSpeeds_, error);
   for (Index h = 0; h < mesh().halfedgeCount(); ++h) {
     flowsOut_[h] = mesh().twin(h) == kNone && crossedOutwards(faces, field, h);
   }
 }
 
 /// Of the linear part of the field. At unit speed the gradient is that of the direction, and no contraction is counted.
-void TauFlow::measureFaces() {
+void PreparedFlow::measureFaces() {
   growth_.resize(mesh().faceCount());
   divergence_.resize(mesh().faceCount());
   bending_.resize(mesh().faceCount());
@@ -247,18 +248,18 @@ void TauFlow::measureFaces() {
   stepTau_ = kTurnOfStep * mesh().totalArea() / sum;
 }
 
-std::unique_ptr<Mover> TauFlow::mover(Direction direction, const Progress* progress) const {
+std::unique_ptr<PointAdvector> PreparedFlow::advector(Direction direction, const Progress* progress) const {
   const double rate = rateOf(direction);
-  const Parting* const parting = direction == Direction::Forward ? parting_.get() : nullptr;
+  const DivergenceBound* const parting = direction == Direction::Forward ? divergenceBound_.get() : nullptr;
   TraceOptions options;
   options.direction = direction;
   options.tolerance = tolerance_;
   if (unit_ == TauUnit::Time) {
     const auto& prepared = direction == Direction::Backward ? against_ : along_;
-    return std::make_unique<FlowMover<SteadyFlow>>(*faces_, SteadyFlow(field_->values.data(), rate, prepared.get()),
-                                                   options, parting, progress);
+    return std::make_unique<FlowAdvector<SteadyFlow>>(*faces_, SteadyFlow(field_->values.data(), rate, prepared.get()),
+                                                      options, parting, progress);
   }
-  return std::make_unique<FlowMover<UnitSpeedFlow>>(
+  return std::make_unique<FlowAdvector<UnitSpeedFlow>>(
       *faces_, UnitSpeedFlow(field_->values.data(), slowSpeeds_.data(), rate), options, parting, progress);
 }
 

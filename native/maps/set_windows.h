@@ -23,7 +23,7 @@ using SharedFaces = std::shared_ptr<const std::vector<Index>>;
 
 /// The sets that images of one Morse set are followed in, step by step.
 struct SetWindows {
-  int steps = 1;  ///< tau is so many steps, stepsOf (tau_rows.h)
+  int steps = 1;  ///< tau is so many steps, advectionStepCount (tau_rows.h)
   std::vector<SharedFaces>
       levels;  ///< level j: the set that holds after every multiple of 2^j steps; null for all faces
   std::size_t memoryLimit = std::numeric_limits<std::size_t>::max();  ///< bytes that the set's rows may take

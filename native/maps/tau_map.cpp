@@ -39,7 +39,7 @@ std::map<double, std::vector<Index>> groupFaces(const std::vector<double>& taus)
 }
 
 /// Bytes that a tau map needs at the peak, from the rows of some of its faces.
-double estimatedBytes(const TauFlow& flow, const std::vector<Index>& pilot, double tau, std::size_t limit,
+double estimatedBytes(const PreparedFlow& flow, const std::vector<Index>& pilot, double tau, std::size_t limit,
                       Progress* progress) {
   const auto faceCount = static_cast<double>(flow.mesh().faceCount());
   const TauRows rows = tauRows(flow, pilot, tau, limit, progress);
@@ -48,7 +48,7 @@ double estimatedBytes(const TauFlow& flow, const std::vector<Index>& pilot, doub
 }
 
 /// Throws InputError naming the largest tau that fits, when this one does not.
-void checkMemory(const TauFlow& flow, double tau, std::size_t limit, Progress* progress) {
+void checkMemory(const PreparedFlow& flow, double tau, std::size_t limit, Progress* progress) {
   const auto faceCount = static_cast<double>(flow.mesh().faceCount());
   if (faceCount * (kBytesPerFace + kBytesPerEdge * (faceCount + 1.0)) <= static_cast<double>(limit)) return;
   const Index count = std::min(kPilotFaces, flow.mesh().faceCount());
@@ -94,12 +94,12 @@ CombinatorialMap tauMap(const FlatFaces& faces, const VectorField& field, const 
   if (options.error.epsilon > 0.0 && groups.contains(0.0)) {
     throw InputError("an error bound needs a tau > 0 on every face; rows of the geometry-based map have their own");
   }
-  const TauFlow flow(faces, field, options.unit, options.tolerance, options.error);
+  const PreparedFlow flow(faces, field, options.unit, options.tolerance, options.error);
   const std::size_t limit = options.memoryLimit.value_or(halfOfMemory());
   checkMemory(flow, groups.rbegin()->first, limit, progress);
 
   CombinatorialMap geometry;
-  std::vector<TauRowsOf> parts;
+  std::vector<RowGroup> parts;
   std::size_t done = 0;
   for (auto& [tau, members] : groups) {
     const auto fraction = [&] { return static_cast<double>(done) / static_cast<double>(faceCount); };
@@ -110,7 +110,7 @@ CombinatorialMap tauMap(const FlatFaces& faces, const VectorField& field, const 
     TauRows rows = tau > 0.0 ? tauRows(flow, members, tau, limit, progress, work) : geometryRows(geometry, members);
     parts.push_back({std::move(members), std::move(rows)});
   }
-  return joinRows(faceCount, std::move(parts));
+  return mapFromRowGroups(faceCount, std::move(parts));
 }
 
 double startingTau(const VectorField& field, TauUnit unit, double edges) {

@@ -96,12 +96,12 @@ class Budget {
 /// Follows points in equal steps, side by side, each as long as it is wanted. Asked for: start(i), the first point;
 /// keep(i, k, arrival), told where it is after k steps, whether to go on.
 template <typename Start, typename Keep>
-class StepwiseMoves final : public Moves {
+class StepwiseAdvection final : public AdvectionQueue {
  public:
-  StepwiseMoves(std::size_t first, std::size_t last, double step, Start start, Keep keep)
+  StepwiseAdvection(std::size_t first, std::size_t last, double step, Start start, Keep keep)
       : next_(first), last_(last), step_(step), start_(std::move(start)), keep_(std::move(keep)) {}
 
-  bool next(int lane, Arrival& from, double& tau) override {
+  bool next(int lane, AdvectedPoint& from, double& tau) override {
     auto& [now, place, steps] = points_[lane];
     if (steps == 0) {
       if (next_ == last_) return false;
@@ -112,7 +112,7 @@ class StepwiseMoves final : public Moves {
     tau = step_;
     return true;
   }
-  void arrive(int lane, const Arrival& at) override {
+  void arrive(int lane, const AdvectedPoint& at) override {
     auto& [now, place, steps] = points_[lane];
     bool going = keep_(place, ++steps, at);
     while (going && at.left) going = keep_(place, ++steps, at);
@@ -122,7 +122,7 @@ class StepwiseMoves final : public Moves {
 
  private:
   struct Point {
-    Arrival now;
+    AdvectedPoint now;
     std::size_t place = 0;
     int steps = 0;
   };
@@ -135,14 +135,14 @@ class StepwiseMoves final : public Moves {
 
 class RowMaker {
  public:
-  RowMaker(const TauFlow& flow, const std::vector<Index>& faces, double tau, const SetWindows* windows,
+  RowMaker(const PreparedFlow& flow, const std::vector<Index>& faces, double tau, const SetWindows* windows,
            std::size_t memoryLimit, Progress* progress)
       : flow_(flow),
         mesh_(flow.mesh()),
         faces_(faces),
         tau_(tau),
         windows_(windows),
-        steps_(stepsOf(flow, tau)),
+        steps_(advectionStepCount(flow, tau)),
         progress_(progress),
         budget_(memoryLimit),
         vertices_(mesh_.vertexCount()),
@@ -151,7 +151,7 @@ class RowMaker {
 
   TauRows run(TauWork* work) {
     collectElements();
-    torn_ = tornFaces(flow_, tau_, progress_);
+    torn_ = boundaryTangencyEdges(flow_, tau_, progress_);
     mapVertices();
     PiecewiseLists images(edges_.elements().size());
     leaves_.assign(edges_.elements().size(), 0);
@@ -190,13 +190,13 @@ class RowMaker {
     budget_.take(vertices_.bytes() + edges_.bytes());
   }
 
-  /// Follows vertices in steps: start and keep as in StepwiseMoves.
+  /// Follows vertices in steps: start and keep as in StepwiseAdvection.
   template <typename Start, typename Keep>
   void follow(std::size_t count, Direction direction, int steps, const Start& start, const Keep& keep) {
     tbb::parallel_for(std::size_t{0}, (count + kPiece - 1) / kPiece, [&](std::size_t piece) {
       const std::size_t end = std::min(count, (piece + 1) * kPiece);
-      StepwiseMoves moves(piece * kPiece, end, tau_ / steps, start, keep);
-      flow_.mover(direction, progress_)->moveAll(moves);
+      StepwiseAdvection moves(piece * kPiece, end, tau_ / steps, start, keep);
+      flow_.advector(direction, progress_)->advectAll(moves);
       if (direction == Direction::Forward) advance(end - piece * kPiece);
     });
     traces_ += count;
@@ -206,21 +206,21 @@ class RowMaker {
     const std::vector<Index>& vertices = vertices_.elements();
     arrivals_.resize(vertices.size() * steps_);
     known_.assign(vertices.size(), 0);
-    budget_.take(sizeof(Arrival) * arrivals_.size());
+    budget_.take(sizeof(AdvectedPoint) * arrivals_.size());
     follow(
         vertices.size(), Direction::Forward, steps_, [&](std::size_t i) { return vertexPoint(mesh_, vertices[i]); },
-        [&](std::size_t i, int step, const Arrival& at) {
+        [&](std::size_t i, int step, const AdvectedPoint& at) {
           arrivals_[i * steps_ + step - 1] = at;
           known_[i] = step;
           return step < steps_ && isInSight(step, at);
         });
   }
 
-  bool isInSight(int step, const Arrival& at) const {
+  bool isInSight(int step, const AdvectedPoint& at) const {
     return windows_ == nullptr || windows_->holds(step, at.point.face);
   }
 
-  std::span<const Arrival> arrivalsOf(Index v) const {
+  std::span<const AdvectedPoint> arrivalsOf(Index v) const {
     const Index slot = vertices_.slot(v);
     return {arrivals_.data() + static_cast<std::size_t>(slot) * steps_, static_cast<std::size_t>(known_[slot])};
   }
@@ -228,12 +228,12 @@ class RowMaker {
   void mapEdges(PiecewiseLists& images) {
     tbb::parallel_for(std::size_t{0}, images.pieceCount(), [&](std::size_t piece) {
       const std::size_t begin = images.begin(piece), end = images.end(piece);
-      std::vector<EdgeToMap> edges;
+      std::vector<EdgeToSample> edges;
       for (std::size_t i = begin; i < end; ++i) {
         const Index edge = edges_.elements()[i], h = mesh_.edgeHalfedge(edge);
         edges.push_back({edge, arrivalsOf(mesh_.tail(h)), arrivalsOf(mesh_.head(h))});
       }
-      EdgeImageMaker maker(flow_, tau_, steps_, windows_, progress_);
+      EdgeImageSampler maker(flow_, tau_, steps_, windows_, progress_);
       maker.make(edges, [&](std::size_t i, const EdgeImage& image) {
         images.append(begin + i, image.faces);
         leaves_[begin + i] = image.leaves;
@@ -243,8 +243,8 @@ class RowMaker {
       traces_ += maker.traces();
       advance(2 * (end - begin));
     });
-    budget_.giveBack(sizeof(Arrival) * arrivals_.size());
-    std::vector<Arrival>().swap(arrivals_);
+    budget_.giveBack(sizeof(AdvectedPoint) * arrivals_.size());
+    std::vector<AdvectedPoint>().swap(arrivals_);
   }
 
   /// Which face the flow takes vertices from, kOutside for those that enter the surface on the way: the vertices of the
@@ -286,7 +286,7 @@ class RowMaker {
   void traceBack(const std::vector<Index>& vertices) {
     follow(
         vertices.size(), Direction::Backward, steps_, [&](std::size_t i) { return vertexPoint(mesh_, vertices[i]); },
-        [&](std::size_t i, int step, const Arrival& at) {
+        [&](std::size_t i, int step, const AdvectedPoint& at) {
           const bool inSight = !at.left && (step == steps_ || isInSight(steps_ - step, at));
           origins_[vertices[i]] = inSight ? at.point.face : kOutside;
           return inSight && step < steps_;
@@ -318,7 +318,7 @@ class RowMaker {
     sortOnce(row);
     fill(face, scratch);
     // A fixed point stays, though its face may be drawn out beyond what samples of the edges can tell.
-    if (flow_.rests(face)) {
+    if (flow_.holdsFixedPoint(face)) {
       row.push_back(face);
       sortOnce(row);
     }
@@ -409,7 +409,7 @@ class RowMaker {
     return result;
   }
 
-  const TauFlow& flow_;
+  const PreparedFlow& flow_;
   const TriangleMesh& mesh_;
   const std::vector<Index>& faces_;
   double tau_;
@@ -418,8 +418,8 @@ class RowMaker {
   Progress* progress_;
   Budget budget_;
   Numbering vertices_, edges_;
-  std::vector<Arrival> arrivals_;  ///< after every step, of each vertex
-  std::vector<int> known_;         ///< steps of each vertex that were followed
+  std::vector<AdvectedPoint> arrivals_;  ///< after every step, of each vertex
+  std::vector<int> known_;               ///< steps of each vertex that were followed
   std::vector<std::pair<Index, Index>> torn_;
   std::vector<Inside> inside_;  ///< by origin
   std::vector<char> leaves_;
@@ -430,20 +430,20 @@ class RowMaker {
 
 }  // namespace
 
-int stepsOf(const TauFlow& flow, double tau) {
+int advectionStepCount(const PreparedFlow& flow, double tau) {
   constexpr int kMost = 128;
   int steps = 1;
   while (steps < kMost && tau / steps > 1.5 * flow.stepTau()) steps *= 2;
   return steps;
 }
 
-TauRows tauRows(const TauFlow& flow, const std::vector<Index>& faces, double tau, std::size_t memoryLimit,
+TauRows tauRows(const PreparedFlow& flow, const std::vector<Index>& faces, double tau, std::size_t memoryLimit,
                 Progress* progress, TauWork* work) {
   return RowMaker(flow, faces, tau, nullptr, memoryLimit, progress).run(work);
 }
 
-TauRows tauRowsInside(const TauFlow& flow, const std::vector<Index>& faces, double tau, const SetWindows& windows,
-                      Progress* progress, TauWork* work) {
+TauRows tauRowsWithinSet(const PreparedFlow& flow, const std::vector<Index>& faces, double tau,
+                         const SetWindows& windows, Progress* progress, TauWork* work) {
   return RowMaker(flow, faces, tau, &windows, windows.memoryLimit, progress).run(work);
 }
 
@@ -456,7 +456,7 @@ TauRows geometryRows(const CombinatorialMap& geometry, const std::vector<Index>&
   return rows;
 }
 
-CombinatorialMap joinRows(Index faceCount, std::vector<TauRowsOf> parts) {
+CombinatorialMap mapFromRowGroups(Index faceCount, std::vector<RowGroup> parts) {
   CombinatorialMap map;
   auto& [offsets, targets] = map.graph;
   if (parts.size() == 1) {  // all faces in their order

@@ -19,24 +19,24 @@ struct TauRows {
 };
 
 /// Images are followed in so many steps, a power of two, which the field changes little in.
-int stepsOf(const TauFlow& flow, double tau);
+int advectionStepCount(const PreparedFlow& flow, double tau);
 
 /// The rows of `faces` (ascending, each once). Throws InputError when they need more than memoryLimit bytes, and
 /// Cancelled.
-TauRows tauRows(const TauFlow& flow, const std::vector<Index>& faces, double tau, std::size_t memoryLimit,
+TauRows tauRows(const PreparedFlow& flow, const std::vector<Index>& faces, double tau, std::size_t memoryLimit,
                 Progress* progress = nullptr, TauWork* work = nullptr);
 /// The rows of a Morse set's faces, of images that are followed only while they come back to the set.
-TauRows tauRowsInside(const TauFlow& flow, const std::vector<Index>& faces, double tau, const SetWindows& windows,
-                      Progress* progress = nullptr, TauWork* work = nullptr);
+TauRows tauRowsWithinSet(const PreparedFlow& flow, const std::vector<Index>& faces, double tau,
+                         const SetWindows& windows, Progress* progress = nullptr, TauWork* work = nullptr);
 /// Their rows in the geometry-based map, which stands for tau = 0.
 TauRows geometryRows(const CombinatorialMap& geometry, const std::vector<Index>& faces);
 
 /// Some faces with their rows.
-struct TauRowsOf {
+struct RowGroup {
   std::vector<Index> faces;
   TauRows rows;
 };
 /// The map of all rows. Every face must have its row in one of the parts, which are taken apart.
-CombinatorialMap joinRows(Index faceCount, std::vector<TauRowsOf> parts);
+CombinatorialMap mapFromRowGroups(Index faceCount, std::vector<RowGroup> parts);
 
 }  // namespace stormfield

@@ -115,7 +115,7 @@ void TransitMap::cutForAll() {
   for (Index i = 0; i < pieceCount(); ++i) places_.push_back(placeOf(i));
 }
 
-TransitMap TransitMap::within(std::shared_ptr<const ConeTransit> cones) const {
+TransitMap TransitMap::withinEpsilon(std::shared_ptr<const ConeTransit> cones) const {
   TransitMap result = *this;
   result.cones_ = std::move(cones);
   tbb::parallel_for(std::size_t{0}, pieces_.size(), [&](std::size_t i) {
@@ -145,13 +145,13 @@ void TransitMap::findRests(Progress* progress) {
 
 TransitMap::Rest TransitMap::restOf(const FaceTransit& transit, Index f) {
   const bool isSaddle = transit.poincare()[f] < 0;
-  const auto resting = [&](const std::vector<TransitPart>& parts) {
+  const auto resting = [&](const std::vector<ContinuousArc>& parts) {
     std::vector<BoundaryArc> arcs;
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const auto& [entry, imageOfBegin, imageOfEnd] = parts[i];
       if (imageOfBegin == FaceTransit::kRest && imageOfEnd == FaceTransit::kRest) arcs.push_back(entry);
       const double end = std::fmod(entry.begin + entry.length, 3.0);
-      const bool jumps = std::any_of(parts.begin(), parts.end(), [&](const TransitPart& p) {
+      const bool jumps = std::any_of(parts.begin(), parts.end(), [&](const ContinuousArc& p) {
         return &p != &parts[i] && std::abs(p.entry.begin - end) < 1e-12;
       });
       if (isSaddle && jumps) arcs.push_back({end, 0.0});
@@ -166,7 +166,7 @@ TransitMap::Rest TransitMap::restOf(const FaceTransit& transit, Index f) {
   // boundary from within, the image goes as a power less than 1 of the distance.
   constexpr double kNear = 0.1;
   const auto complete = [&](double& image, double at, double onwards) {
-    const bool jumps = std::count_if(rest.parts.begin(), rest.parts.end(), [&](const TransitPart& p) {
+    const bool jumps = std::count_if(rest.parts.begin(), rest.parts.end(), [&](const ContinuousArc& p) {
                          const double away = std::remainder(p.entry.begin - at, 3.0);
                          return std::abs(away) < 1e-12 || std::abs(std::remainder(away + p.entry.length, 3.0)) < 1e-12;
                        }) > 1;
@@ -188,7 +188,7 @@ TransitMap::Rest TransitMap::restOf(const FaceTransit& transit, Index f) {
     }
     image = found;
   };
-  for (TransitPart& part : rest.parts) {
+  for (ContinuousArc& part : rest.parts) {
     complete(part.imageOfBegin, part.entry.begin, 1.0);  // images go back
     complete(part.imageOfEnd, part.entry.begin + part.entry.length, -1.0);
   }
@@ -218,8 +218,8 @@ void TransitMap::cutAtJumps(const EdgePiece& piece, const Rest& rest, Cuts& cuts
   const Index f = piece.enters;
   const double a = positionIn(f, piece.edge, piece.from), b = positionIn(f, piece.edge, piece.to);
   const double begin = std::min(a, b), end = std::max(a, b);
-  std::vector<TransitPart> found;
-  for (const TransitPart& part : rest.parts) {
+  std::vector<ContinuousArc> found;
+  for (const ContinuousArc& part : rest.parts) {
     for (const int turn : {-3, 0, 3}) {
       const double from = std::max(begin, part.entry.begin + turn);
       const double to = std::min(end, part.entry.begin + turn + part.entry.length);
@@ -231,7 +231,7 @@ void TransitMap::cutAtJumps(const EdgePiece& piece, const Rest& rest, Cuts& cuts
     }
   }
   std::sort(found.begin(), found.end(),
-            [](const TransitPart& p, const TransitPart& q) { return p.entry.begin < q.entry.begin; });
+            [](const ContinuousArc& p, const ContinuousArc& q) { return p.entry.begin < q.entry.begin; });
   if (found.empty()) found.push_back({{begin, end - begin}, FaceTransit::kRest, FaceTransit::kRest});
   if (a > b) std::reverse(found.begin(), found.end());
   for (const auto& [entry, imageOfBegin, imageOfEnd] : found) {
@@ -395,7 +395,7 @@ void TransitMap::enter(Index f, const EdgePiece& piece, std::vector<Index>& targ
   const Index slot = restSlot_[f];
   const bool lost = rests && transit_->poincare()[f] < 0;  // nothing but single trajectories stays at a saddle
   if (lost || (slot == kNone && rests)) {
-    if (transit_->rests(f)) targets.push_back(f);
+    if (transit_->holdsFixedPoint(f)) targets.push_back(f);
     eachExit(f, kAround, [&](Index node, const EdgePiece&) { targets.push_back(node); });
     return;
   }
@@ -406,7 +406,7 @@ void TransitMap::enter(Index f, const EdgePiece& piece, std::vector<Index>& targ
 /// What enters a face through a piece of its boundary may come to, in some field within the bound. Where none rests, a
 /// piece leads to itself only by way of others.
 void TransitMap::enterForAll(Index f, Index node, std::vector<Index>& targets) const {
-  if (cones_->rests(f)) {
+  if (cones_->mayHoldFixedPoint(f)) {
     targets.push_back(f);  // and from there on to all exits
     return;
   }
@@ -428,7 +428,7 @@ Index TransitMap::reached(Index node, const EdgePiece& piece) const {
 
 void TransitMap::rowForAll(Index node, std::vector<Index>& targets) const {
   if (node < mesh().faceCount()) {
-    if (!cones_->rests(node)) return;
+    if (!cones_->mayHoldFixedPoint(node)) return;
     targets.push_back(node);
     eachExit(node, kAround, [&](Index exit, const EdgePiece& over) { targets.push_back(reached(exit, over)); });
   } else if (node < outside()) {
@@ -449,7 +449,8 @@ bool TransitMap::isSettled(Index node) const {
   if (!isPiece(node)) return true;
   if (!cones_) return piece(node).enters < 0 || transit_->isCoarse(piece(node).enters);
   const Index h = mesh().edgeHalfedge(piece(node).edge), twin = mesh().twin(h);
-  return cones_->rests(TriangleMesh::face(h)) && (twin == kNone || cones_->rests(TriangleMesh::face(twin)));
+  return cones_->mayHoldFixedPoint(TriangleMesh::face(h)) &&
+         (twin == kNone || cones_->mayHoldFixedPoint(TriangleMesh::face(twin)));
 }
 
 void TransitMap::row(Index node, std::vector<Index>& targets) const {
@@ -457,7 +458,7 @@ void TransitMap::row(Index node, std::vector<Index>& targets) const {
   if (cones_) {
     rowForAll(node, targets);
   } else if (node < mesh().faceCount()) {
-    if (!transit_->rests(node)) return;
+    if (!transit_->holdsFixedPoint(node)) return;
     targets.push_back(node);
     const Index slot = restSlot_[node];
     eachExit(node, kAround, [&](Index exit, const EdgePiece& piece) {

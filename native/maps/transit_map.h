@@ -21,7 +21,7 @@
 //   TransitMap map(faces, field);
 //   map.halve(pieces);
 //   const CombinatorialMap whole = map.map();       // faces' nodes of rest, pieces, outside
-//   const TransitMap bounded = map.within(cones);   // the same pieces, for all fields within cones->epsilon()
+//   const TransitMap bounded = map.withinEpsilon(cones);   // the same pieces, for all fields within cones->epsilon()
 #pragma once
 
 #include <memory>
@@ -54,9 +54,9 @@ class TransitMap {
              Progress* progress = nullptr, std::shared_ptr<const ConeTransit> cones = nullptr);
 
   /// The map of the same pieces for all fields within an error bound.
-  TransitMap within(std::shared_ptr<const ConeTransit> cones) const;
+  TransitMap withinEpsilon(std::shared_ptr<const ConeTransit> cones) const;
 
-  const FaceTransit& transit() const { return *transit_; }
+  const FaceTransit& faceTransit() const { return *transit_; }
   const TriangleMesh& mesh() const { return transit_->mesh(); }
   /// Nodes: one of rest for each face, then the pieces, then outside.
   Index pieceCount() const { return static_cast<Index>(pieces_.size()); }
@@ -84,7 +84,9 @@ class TransitMap {
   /// Appends the faces that a node lies in, or that flow enters through it.
   void appendFaces(Index node, std::vector<Index>& faces) const;
   /// Per face whether some field within the bound can rest in it.
-  const std::vector<char>& resting() const { return cones_ ? cones_->resting() : transit_->resting(); }
+  const std::vector<char>& fixedPointFaces() const {
+    return cones_ ? cones_->fixedPointFaces() : transit_->fixedPointFaces();
+  }
   /// Whether halving changes nothing: what enters faces that are known by their exits only, or leaves the surface.
   bool isSettled(Index node) const;
   std::size_t bytes() const { return sizeof(EdgePiece) * pieces_.capacity(); }
@@ -93,7 +95,7 @@ class TransitMap {
   /// A face with a fixed point: the continuous parts of its arcs of entry, where what comes to rest enters, and where
   /// what comes from there leaves (single positions at a saddle).
   struct Rest {
-    std::vector<TransitPart> parts;
+    std::vector<ContinuousArc> parts;
     std::vector<BoundaryArc> in, out;
   };
   struct Cut {

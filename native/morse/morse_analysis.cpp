@@ -36,7 +36,7 @@ void findSets(MorseAnalysis& analysis, Progress& progress) {
   options.keepEmpty = analysis.keepEmpty;
   options.keepTrivial = analysis.keepTrivial;
   if (analysis.bounded) {
-    options.resting = restingWithin(*analysis.bounded, analysis.epsilon);
+    options.resting = fixedPointFacesWithinEpsilon(*analysis.bounded, analysis.epsilon);
   } else if (analysis.refinement) {
     for (const double tau : analysis.refinement->taus()) options.mapped.push_back(tau > 0.0 ? 1 : 0);
   } else {
@@ -57,7 +57,7 @@ void analyzeGeometry(MorseAnalysis& analysis, const MorseAnalysisOptions& option
   analysis.seconds.map = timed([&] {
     analysis.bounded =
         std::make_shared<const ErrorBoundedMap>(errorBoundedMap(*analysis.field, options.weights, progress));
-    analysis.map = std::make_shared<const CombinatorialMap>(mapWithin(*analysis.bounded, analysis.epsilon));
+    analysis.map = std::make_shared<const CombinatorialMap>(mapWithinEpsilon(*analysis.bounded, analysis.epsilon));
   });
   const bool persistence = options.persistence.value_or(true);
   progress.range(0.3, persistence ? 0.4 : 1.0);
@@ -260,8 +260,9 @@ MorseAnalysis within(const MorseAnalysis& analysis, double epsilon, bool keepTri
   }
   result.bounded = analysis.bounded;
   result.levels = analysis.levels;
-  result.seconds.map =
-      timed([&] { result.map = std::make_shared<const CombinatorialMap>(mapWithin(*result.bounded, result.epsilon)); });
+  result.seconds.map = timed([&] {
+    result.map = std::make_shared<const CombinatorialMap>(mapWithinEpsilon(*result.bounded, result.epsilon));
+  });
   result.seconds.sets = timed([&] { findSets(result, progress); });
   result.seconds.persistence = timed([&] { findPersistence(result); });
   return result;

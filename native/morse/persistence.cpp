@@ -170,12 +170,12 @@ class Merging {
 
   std::vector<Absorbed> run(const ErrorBoundedMap& bounded) && {
     // Most large sets are there from the beginning.
-    const Sets sets = setsOf(mapWithin(bounded, 0.0).graph);
+    const Sets sets = setsOf(mapWithinEpsilon(bounded, 0.0).graph);
     progress_.check();
     std::vector<Index> faces(bounded.map.graph.nodeCount());
     std::iota(faces.begin(), faces.end(), 0);
     absorb(faces, sets, 0.0);
-    solve(contracted(bounded.map.graph, bounded.from, faces, sets), 0.0);
+    solve(contracted(bounded.map.graph, bounded.edgeEpsilon, faces, sets), 0.0);
     progress_.check();
     return std::move(absorbed_);
   }

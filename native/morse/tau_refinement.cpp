@@ -73,7 +73,7 @@ MorseRefinement::MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::sh
     : faces_(std::move(faces)),
       field_(std::move(field)),
       options_(options),
-      flow_(std::make_shared<const TauFlow>(*faces_, *field_, options.map.unit, options.map.tolerance)),
+      flow_(std::make_shared<const PreparedFlow>(*faces_, *field_, options.map.unit, options.map.tolerance)),
       poincare_(poincareIndices(*field_)),
       resting_(fixedPointFaces(*field_)) {
   checkTau(options.tauMin, "tauMin");
@@ -93,7 +93,7 @@ MorseRefinement::MorseRefinement(std::shared_ptr<const FlatFaces> faces, std::sh
 }
 
 CombinatorialMap MorseRefinement::map() const {
-  return mapOf(rows_);
+  return mapFromRows(rows_);
 }
 
 /// The time, or length, to cross an edge of these faces; infinite where the field is zero.
@@ -215,7 +215,7 @@ SetWindows MorseRefinement::windowsOf(Index set) const {
   const double tau = nextTau(trial);
   SetWindows windows;
   windows.memoryLimit = options_.map.memoryLimit.value_or(halfOfMemory());
-  windows.steps = stepsOf(*flow_, tau);
+  windows.steps = advectionStepCount(*flow_, tau);
   for (int level = 1; level < windows.steps; level *= 2) {
     SharedFaces faces;
     for (const Ancestor& ancestor : trial.ancestors) {
@@ -240,7 +240,7 @@ std::vector<char> MorseRefinement::refineAll(const std::vector<Index>& chosen, P
       [&](std::size_t place) {
         const std::size_t i = bySize[place];
         const Index s = chosen[i];
-        computed[i] = tauRowsInside(*flow_, sets_.members(s), nextTau(trials_[s]), windowsOf(s), progress, &work[i]);
+        computed[i] = tauRowsWithinSet(*flow_, sets_.members(s), nextTau(trials_[s]), windowsOf(s), progress, &work[i]);
       },
       tbb::simple_partitioner());
 
@@ -297,7 +297,7 @@ std::vector<char> MorseRefinement::replace(const std::vector<Index>& chosen, std
 
   std::vector<char> mapped(faceCount, 0);
   for (const Index f : parts.faces) mapped[f] = 1;
-  const CombinatorialMap map = mapOf(seen);
+  const CombinatorialMap map = mapFromRows(seen);
 
   struct Kept {
     const FaceSets* from;

@@ -10,9 +10,9 @@
 //
 // The result is that of a recomputation from taus(). Let G be the geometry-based map and S(0), S(1), ... the sets that
 // a face f was in when it got its taus t(1), t(2), ..., t(k). R(i) has the rows of S(i-1) at t(i), of images that are
-// followed only while they come back to the sets before (tauRowsInside; a larger tau, with fewer points that stay, then
-// costs little), and S(i) is a strongly connected component of R(i) restricted to S(i-1). The refinement's map has from
-// f the edges
+// followed only while they come back to the sets before (tauRowsWithinSet; a larger tau, with fewer points that stay,
+// then costs little), and S(i) is a strongly connected component of R(i) restricted to S(i-1). The refinement's map has
+// from f the edges
 //     of R(1) to S(0) without S(1), and to what comes after S(0) in a total order of the components of G (padding that
 //          leads back is left out, which no trajectory does),
 //     of R(i) to S(i-1) without S(i), for 1 < i < k,
@@ -117,7 +117,7 @@ class MorseRefinement {
   std::shared_ptr<const FlatFaces> faces_;
   std::shared_ptr<const VectorField> field_;
   RefinementOptions options_;
-  std::shared_ptr<const TauFlow> flow_;
+  std::shared_ptr<const PreparedFlow> flow_;
   std::vector<int> poincare_;
   std::vector<char> resting_;
   std::vector<Index> order_;  ///< components of the geometry-based map: edges lead to the same or a lower one

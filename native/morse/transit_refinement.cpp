@@ -103,7 +103,7 @@ std::vector<char> canRecur(const TransitMap& map, const std::vector<std::vector<
       now.push_back(s);
     }
     const FaceSets sets(std::move(setOf), static_cast<Index>(now.size()));
-    const std::vector<char> recurs = canRecur(map.mesh(), sets, map.resting());
+    const std::vector<char> recurs = canRecur(map.mesh(), sets, map.fixedPointFaces());
     for (std::size_t i = 0; i < now.size(); ++i) result[now[i]] = recurs[i];
     left = std::move(later);
   }
@@ -138,9 +138,9 @@ TransitRefinement TransitRefinement::within(double epsilon, Progress* progress) 
   TransitRefinement result = *this;
   if (epsilon == options_.epsilon) return result;
   result.options_.epsilon = epsilon;
-  result.cones_ = cones_ ? std::make_shared<const ConeTransit>(cones_->within(epsilon))
+  result.cones_ = cones_ ? std::make_shared<const ConeTransit>(cones_->withinEpsilon(epsilon))
                          : std::make_shared<const ConeTransit>(faces_, field_, epsilon, options_.weights);
-  result.map_ = map_.within(result.cones_);
+  result.map_ = map_.withinEpsilon(result.cones_);
   result.findSets(progress);
   return result;
 }
@@ -358,7 +358,7 @@ TransitDecomposition TransitRefinement::decomposition(bool keepEmpty, bool keepT
     MorseSet& set = found[s];
     for (const Index node : members[s]) {
       if (map_.isPiece(node)) continue;
-      set.poincare += map_.transit().poincare()[node];
+      set.poincare += map_.faceTransit().poincare()[node];
       set.upperBound = set.upperBound || (options_.epsilon > 0.0 && isAtBoundary(map_.mesh(), node));
     }
     const int b0 = leads[component] == 0 ? 1 : 0, b2 = isLedTo[component] == 0 ? 1 : 0;

@@ -10,14 +10,14 @@ namespace {
 /// Trajectories are followed that pass so near to the boundary (barycentric), on its inner side.
 constexpr double kInside = 1e-6;
 
-class TearFinder {
+class TangencyTracer {
  public:
-  TearFinder(const TauFlow& flow, double tau, const Progress* progress)
+  TangencyTracer(const PreparedFlow& flow, double tau, const Progress* progress)
       : flow_(flow),
         mesh_(flow.mesh()),
         tau_(tau),
-        forward_(flow.mover(Direction::Forward, progress)),
-        backward_(flow.mover(Direction::Backward, progress)) {}
+        forward_(flow.advector(Direction::Forward, progress)),
+        backward_(flow.advector(Direction::Backward, progress)) {}
 
   std::vector<std::pair<Index, Index>> run() {
     for (Index h = 0; h < mesh_.halfedgeCount(); ++h) {
@@ -51,7 +51,8 @@ class TearFinder {
 
   /// What comes to the point after t is tau - t farther in the end.
   void follow(const SurfacePoint& touching) {
-    const std::vector<PathPoint> before = backward_->way(touching, tau_), after = forward_->way(touching, tau_);
+    const std::vector<TrajectoryPoint> before = backward_->trajectory(touching, tau_),
+                                       after = forward_->trajectory(touching, tau_);
     for (std::size_t i = 0; i < before.size(); ++i) {
       const double earliest = tau_ - (i + 1 < before.size() ? before[i + 1].tau : before[i].tau);
       const double latest = tau_ - before[i].tau;
@@ -62,17 +63,18 @@ class TearFinder {
     }
   }
 
-  const TauFlow& flow_;
+  const PreparedFlow& flow_;
   const TriangleMesh& mesh_;
   double tau_;
-  std::unique_ptr<Mover> forward_, backward_;
+  std::unique_ptr<PointAdvector> forward_, backward_;
   std::vector<std::pair<Index, Index>> torn_;
 };
 
 }  // namespace
 
-std::vector<std::pair<Index, Index>> tornFaces(const TauFlow& flow, double tau, const Progress* progress) {
-  return TearFinder(flow, tau, progress).run();
+std::vector<std::pair<Index, Index>> boundaryTangencyEdges(const PreparedFlow& flow, double tau,
+                                                           const Progress* progress) {
+  return TangencyTracer(flow, tau, progress).run();
 }
 
 }  // namespace stormfield

@@ -12,6 +12,7 @@ namespace stormfield {
 
 /// Faces that are torn, each with those that the edge of the tear is in after tau: pairs, ascending, each once. Touched
 /// is the boundary where the field, which is linear along an edge, turns from outwards to inwards or back.
-std::vector<std::pair<Index, Index>> tornFaces(const TauFlow& flow, double tau, const Progress* progress);
+std::vector<std::pair<Index, Index>> boundaryTangencyEdges(const PreparedFlow& flow, double tau,
+                                                           const Progress* progress);
 
 }  // namespace stormfield

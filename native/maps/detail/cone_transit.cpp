@@ -100,7 +100,7 @@ ConeTransit::ConeTransit(std::shared_ptr<const FlatFaces> faces, std::shared_ptr
           [&] {
             auto given = std::make_shared<Given>();
             given->weights = checkedWeights(*field, weights);
-            given->restsFrom = restingLevels(*field, weights);
+            given->faceEpsilon = fixedPointEpsilons(*field, weights);
             given->ends.resize(field->mesh().edgeCount());
             tbb::parallel_for(Index{0}, field->mesh().edgeCount(),
                               [&](Index e) { given->ends[e] = endVectors(*field, field->mesh().edgeHalfedge(e)); });
@@ -111,15 +111,15 @@ ConeTransit::ConeTransit(std::shared_ptr<const FlatFaces> faces, std::shared_ptr
           epsilon) {}
 
 ConeTransit::ConeTransit(std::shared_ptr<const Given> given, double epsilon)
-    : given_(std::move(given)), epsilon_(epsilon), resting_(given_->restsFrom.size()) {
+    : given_(std::move(given)), epsilon_(epsilon), resting_(given_->faceEpsilon.size()) {
   if (!(epsilon >= 0.0) || !std::isfinite(epsilon)) {
     throw InputError(message("the error bound eps is ", epsilon, "; give a number >= 0"));
   }
-  std::transform(given_->restsFrom.begin(), given_->restsFrom.end(), resting_.begin(),
+  std::transform(given_->faceEpsilon.begin(), given_->faceEpsilon.end(), resting_.begin(),
                  [=](double from) { return epsilon >= kWidest * from ? 1 : 0; });
 }
 
-ConeTransit ConeTransit::within(double epsilon) const {
+ConeTransit ConeTransit::withinEpsilon(double epsilon) const {
   return {given_, epsilon};
 }
 
@@ -158,14 +158,14 @@ std::vector<double> ConeTransit::turns(Index e) const {
   return result;
 }
 
-LeavingArcs ConeTransit::leaving(Index f, int side, double begin, double end) const {
-  const double alpha = std::asin(std::min(1.0, epsilon_ / given_->restsFrom[f]));
+ExitArcs ConeTransit::leaving(Index f, int side, double begin, double end) const {
+  const double alpha = std::asin(std::min(1.0, epsilon_ / given_->faceEpsilon[f]));
   const EndVectors ends = endsOf(TriangleMesh::halfedge(f, side));
   const Complex atBegin = blend(ends, begin), atEnd = blend(ends, end), turn = std::polar(1.0, alpha);
   // Where the cone's extremes enter, and with them some of the fields within the bound.
   const auto right = notNegative(begin, end, (atBegin * std::conj(turn)).imag(), (atEnd * std::conj(turn)).imag());
   const auto left = notNegative(begin, end, (atBegin * turn).imag(), (atEnd * turn).imag());
-  LeavingArcs result;
+  ExitArcs result;
   const auto add = [&](double from, double to) { result.add(leavingPart(f, side, from, to, alpha)); };
   if (right && left && std::max(right->begin, left->begin) <= std::min(right->end, left->end)) {
     add(std::min(right->begin, left->begin), std::max(right->end, left->end));
@@ -177,8 +177,8 @@ LeavingArcs ConeTransit::leaving(Index f, int side, double begin, double end) co
   return result;
 }
 
-void LeavingArcs::takeOut(const BoundaryArc& part) {
-  const LeavingArcs all = std::exchange(*this, {});
+void ExitArcs::takeOut(const BoundaryArc& part) {
+  const ExitArcs all = std::exchange(*this, {});
   for (const auto& [begin, length] : all) {
     // Seen from the arc's begin: up to the part, and beyond it; it may also reach over the begin.
     const double to = around(begin, part.begin), beyond = to + part.length, from = std::max(0.0, beyond - 3.0);
@@ -192,7 +192,7 @@ void LeavingArcs::takeOut(const BoundaryArc& part) {
 
 /// What does not enter beyond a place where extremes touch the boundary from within does not leave before them.
 void ConeTransit::takeOutBeyondTouching(Index f, int side, double begin, double end, double alpha,
-                                        LeavingArcs& arcs) const {
+                                        ExitArcs& arcs) const {
   for (int s = 0; s < 3; ++s) {
     const EndVectors ends = endsOf(TriangleMesh::halfedge(f, s));
     for (const double sign : {-1.0, 1.0}) {  // to the right, to the left

@@ -25,7 +25,7 @@
 //
 //   const ConeTransit cones(faces, field, 0.01);
 //   cones.crossing(e, 0.0, 0.5);                 // over the first half of the edge's canonical halfedge
-//   const LeavingArcs arcs = cones.leaving(f, side, 0.25, 0.5);
+//   const ExitArcs arcs = cones.leaving(f, side, 0.25, 0.5);
 #pragma once
 
 #include <array>
@@ -40,7 +40,7 @@
 namespace stormfield {
 
 /// Parts of the boundary of a face.
-struct LeavingArcs {
+struct ExitArcs {
   std::array<BoundaryArc, 16> arcs{};
   int count = 0;
 
@@ -62,12 +62,12 @@ class ConeTransit {
   ConeTransit(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<const VectorField> field, double epsilon,
               const std::vector<double>& weights = {});
   /// The same field and weights with another epsilon; shares what both need. Throws InputError as above.
-  ConeTransit within(double epsilon) const;
+  ConeTransit withinEpsilon(double epsilon) const;
 
   double epsilon() const { return epsilon_; }
   /// Whether a field within the bound can rest in the face, or nearly.
-  bool rests(Index f) const { return resting_[f] != 0; }
-  const std::vector<char>& resting() const { return resting_; }
+  bool mayHoldFixedPoint(Index f) const { return resting_[f] != 0; }
+  const std::vector<char>& fixedPointFaces() const { return resting_; }
 
   /// How fields within the bound cross a part of an edge: +1 into the face of its canonical halfedge only, -1 out of it
   /// only, 0 both ways.
@@ -77,15 +77,15 @@ class ConeTransit {
 
   /// Over what arcs flow can leave a face that does not rest which entered it over a part of a side, fractions from
   /// `begin` to `end`; it may also leave over that part itself. None where nothing enters.
-  LeavingArcs leaving(Index f, int side, double begin, double end) const;
+  ExitArcs leaving(Index f, int side, double begin, double end) const;
 
  private:
   struct Given {
     std::shared_ptr<const FlatFaces> faces;
     std::shared_ptr<const VectorField> field;
-    std::vector<double> weights;    ///< per vertex
-    std::vector<EndVectors> ends;   ///< per edge, along its canonical halfedge
-    std::vector<double> restsFrom;  ///< per face
+    std::vector<double> weights;      ///< per vertex
+    std::vector<EndVectors> ends;     ///< per edge, along its canonical halfedge
+    std::vector<double> faceEpsilon;  ///< per face
   };
   enum class Side { Right, Left };
 
@@ -94,7 +94,7 @@ class ConeTransit {
   EndVectors endsOf(Index h) const;
   BoundaryArc leavingPart(Index f, int side, double begin, double end, double alpha) const;
   double extreme(Index f, int side, double begin, double end, double alpha, Side which) const;
-  void takeOutBeyondTouching(Index f, int side, double begin, double end, double alpha, LeavingArcs& arcs) const;
+  void takeOutBeyondTouching(Index f, int side, double begin, double end, double alpha, ExitArcs& arcs) const;
   double leaves(Index f, int side, double fraction, double turn) const;
 
   std::shared_ptr<const Given> given_;

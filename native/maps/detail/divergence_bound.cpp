@@ -48,8 +48,9 @@ void checkError(const TriangleMesh& mesh, const FieldError& error) {
   }
 }
 
-Parting::Parting(const FlatFaces& faces, const VectorField& field, TauUnit unit, const std::vector<double>& growth,
-                 const std::vector<double>& slowSpeeds, const FieldError& error)
+DivergenceBound::DivergenceBound(const FlatFaces& faces, const VectorField& field, TauUnit unit,
+                                 const std::vector<double>& growth, const std::vector<double>& slowSpeeds,
+                                 const FieldError& error)
     : faces_(&faces), epsilon_(error.epsilon) {
   std::vector<Rates> own(growth.size());
   for (Index f = 0; f < faces.mesh().faceCount(); ++f) {
@@ -81,7 +82,7 @@ Parting::Parting(const FlatFaces& faces, const VectorField& field, TauUnit unit,
   }
 }
 
-std::vector<Parting::Rates> Parting::around(const std::vector<Rates>& rates) const {
+std::vector<DivergenceBound::Rates> DivergenceBound::around(const std::vector<Rates>& rates) const {
   const TriangleMesh& mesh = faces_->mesh();
   const Rates least{-std::numeric_limits<double>::infinity(), 0.0, 0.0};
   const auto take = [](Rates& to, const Rates& from) {
@@ -97,7 +98,7 @@ std::vector<Parting::Rates> Parting::around(const std::vector<Rates>& rates) con
   return result;
 }
 
-double Parting::after(double distance, Index face, double duration) const {
+double DivergenceBound::after(double distance, Index face, double duration) const {
   const double rings = 2.0 * distance / (*faces_)[face].longestSide();
   if (!(rings < 1 << kDoublings)) {
     throw InputError(message("fields within eps = ", epsilon_, " part by more than ", 1 << kDoublings,

@@ -18,11 +18,11 @@ namespace stormfield {
 /// epsilon > 0 on a surface with a boundary (what leaves in one field may pass in another).
 void checkError(const TriangleMesh& mesh, const FieldError& error);
 
-class Parting {
+class DivergenceBound {
  public:
   /// growth: per face, of the linear part, per unit of tau. slowSpeeds: per vertex, for TauUnit::Length.
-  Parting(const FlatFaces& faces, const VectorField& field, TauUnit unit, const std::vector<double>& growth,
-          const std::vector<double>& slowSpeeds, const FieldError& error);
+  DivergenceBound(const FlatFaces& faces, const VectorField& field, TauUnit unit, const std::vector<double>& growth,
+                  const std::vector<double>& slowSpeeds, const FieldError& error);
 
   /// The distance after a while in a face. Throws InputError where it is beyond all that can be told.
   double after(double distance, Index face, double duration) const;

@@ -28,47 +28,47 @@ constexpr double kReach = 1.25;
 
 }  // namespace
 
-EdgeImageMaker::EdgeImageMaker(const TauFlow& flow, double tau, int steps, const SetWindows* windows,
-                               const Progress* progress, std::size_t mostSamples)
+EdgeImageSampler::EdgeImageSampler(const PreparedFlow& flow, double tau, int steps, const SetWindows* windows,
+                                   const Progress* progress, std::size_t maxSamples)
     : flow_(&flow),
       tau_(tau),
       windows_(windows),
       steps_(steps),
-      mostSamples_(mostSamples),
-      forward_(flow.mover(Direction::Forward, progress)),
-      backward_(flow.mover(Direction::Backward, progress)),
+      maxSamples_(maxSamples),
+      forward_(flow.advector(Direction::Forward, progress)),
+      backward_(flow.advector(Direction::Backward, progress)),
       near_(flow.faces()) {}
 
-void EdgeImageMaker::make(std::span<const EdgeToMap> edges, const Keep& keep) {
+void EdgeImageSampler::make(std::span<const EdgeToSample> edges, const Keep& keep) {
   edges_ = edges;
   keep_ = &keep;
   started_ = 0;
   alone_ = false;
-  forward_->moveAll(*this);
+  forward_->advectAll(*this);
   // Which of too many samples an image goes without depends on their order: these edges do not share the lanes.
   alone_ = true;
   std::sort(crowded_.begin(), crowded_.end());
   for (const std::size_t number : crowded_) {
     start(number);
-    forward_->moveAll(*this);
+    forward_->advectAll(*this);
   }
   crowded_.clear();
 }
 
 /// The moves that are asked for, and when there are none, those of another edge.
-bool EdgeImageMaker::next(int lane, Arrival& from, double& tau) {
+bool EdgeImageSampler::next(int lane, AdvectedPoint& from, double& tau) {
   while (moves_.empty() && started_ < edges_.size()) start(started_++);
   if (moves_.empty()) return false;
   const Move& move = moving_[lane] = moves_.back();
   moves_.pop_back();
   const Edge& edge = slots_[move.edge];
   const Sample& sample = edge.samples[move.sample];
-  from = sample.place == kNowhere ? Arrival{.point = pointAt(edge, sample.s)} : edge.places[sample.place].at;
+  from = sample.place == kNowhere ? AdvectedPoint{.point = pointAt(edge, sample.s)} : edge.places[sample.place].at;
   tau = tau_ * move.steps / steps_;
   return true;
 }
 
-void EdgeImageMaker::arrive(int lane, const Arrival& at) {
+void EdgeImageSampler::arrive(int lane, const AdvectedPoint& at) {
   const auto [slot, sample, steps] = moving_[lane];
   addPlace(slots_[slot], sample, at, steps);
   slots_[slot].samples[sample].underWay = false;
@@ -78,7 +78,7 @@ void EdgeImageMaker::arrive(int lane, const Arrival& at) {
   if (slots_[slot].open == 0) finish(slot);
 }
 
-void EdgeImageMaker::start(std::size_t number) {
+void EdgeImageSampler::start(std::size_t number) {
   if (free_.empty()) {
     free_.push_back(slots_.size());
     slots_.emplace_back();
@@ -97,7 +97,7 @@ void EdgeImageMaker::start(std::size_t number) {
   open(slot, {0, tail}, {1, head}, 1, 0, 0.0);
 }
 
-void EdgeImageMaker::finish(std::size_t slot) {
+void EdgeImageSampler::finish(std::size_t slot) {
   Edge& edge = slots_[slot];
   free_.push_back(slot);
   if (edge.crowded) {
@@ -111,15 +111,15 @@ void EdgeImageMaker::finish(std::size_t slot) {
 }
 
 /// A sample that needs no tracing for the first steps; its place after the first one.
-int EdgeImageMaker::addKnown(Edge& edge, double s, std::span<const Arrival> arrivals) {
+int EdgeImageSampler::addKnown(Edge& edge, double s, std::span<const AdvectedPoint> arrivals) {
   const int sample = static_cast<int>(edge.samples.size()), first = static_cast<int>(edge.places.size());
   edge.samples.push_back({s});
-  for (const Arrival& at : arrivals) addPlace(edge, sample, at, 1);
+  for (const AdvectedPoint& at : arrivals) addPlace(edge, sample, at, 1);
   edge.image.leaves |= arrivals.front().left;
   return first;
 }
 
-void EdgeImageMaker::addPlace(Edge& edge, int sample, const Arrival& at, int steps) {
+void EdgeImageSampler::addPlace(Edge& edge, int sample, const AdvectedPoint& at, int steps) {
   const int place = static_cast<int>(edge.places.size());
   Sample& of = edge.samples[sample];
   if (of.place != kNowhere) edge.places[of.place].next = place;
@@ -129,7 +129,7 @@ void EdgeImageMaker::addPlace(Edge& edge, int sample, const Arrival& at, int ste
 }
 
 /// The interval between two samples, from a step on.
-void EdgeImageMaker::open(std::size_t slot, Stop a, Stop b, int step, int level, double away) {
+void EdgeImageSampler::open(std::size_t slot, Stop a, Stop b, int step, int level, double away) {
   Edge& edge = slots_[slot];
   const int middle = static_cast<int>(edge.samples.size()), interval = static_cast<int>(edge.intervals.size());
   edge.samples.push_back({0.5 * (edge.samples[a.sample].s + edge.samples[b.sample].s)});
@@ -141,7 +141,7 @@ void EdgeImageMaker::open(std::size_t slot, Stop a, Stop b, int step, int level,
 }
 
 /// Follows the image of an interval until it is enclosed at the end or out of sight, is halved, or has to wait.
-void EdgeImageMaker::proceed(std::size_t slot, int number) {
+void EdgeImageSampler::proceed(std::size_t slot, int number) {
   Edge& edge = slots_[slot];
   while (edge.crowded ? !waits(edge, number) : gather(slot, number)) {
     Interval& interval = edge.intervals[number];
@@ -157,7 +157,7 @@ void EdgeImageMaker::proceed(std::size_t slot, int number) {
   }
 }
 
-bool EdgeImageMaker::waits(const Edge& edge, int number) const {
+bool EdgeImageSampler::waits(const Edge& edge, int number) const {
   return std::any_of(edge.intervals[number].stops.begin(), edge.intervals[number].stops.end(), [&](const Stop& stop) {
     const auto& [one, other] = edge.samples[stop.sample].waiting;
     return one == number || other == number;
@@ -165,7 +165,7 @@ bool EdgeImageMaker::waits(const Edge& edge, int number) const {
 }
 
 /// Brings the stops to the interval's step; false where it has to wait for one.
-bool EdgeImageMaker::gather(std::size_t slot, int number) {
+bool EdgeImageSampler::gather(std::size_t slot, int number) {
   Edge& edge = slots_[slot];
   Interval& interval = edge.intervals[number];
   bool all = true;
@@ -174,7 +174,7 @@ bool EdgeImageMaker::gather(std::size_t slot, int number) {
     auto& [index, place] = interval.stops[i];
     Sample& sample = edge.samples[index];
     if (place != kNowhere && edge.places[place].next == kNowhere && edge.places[place].at.left) {
-      addPlace(edge, index, Arrival(edge.places[place].at), 1);
+      addPlace(edge, index, AdvectedPoint(edge.places[place].at), 1);
     }
     const int next = place == kNowhere ? sample.place : edge.places[place].next;
     if (next != kNowhere) {
@@ -192,10 +192,10 @@ bool EdgeImageMaker::gather(std::size_t slot, int number) {
   return all;
 }
 
-void EdgeImageMaker::halve(std::size_t slot, const Interval& interval) {
+void EdgeImageSampler::halve(std::size_t slot, const Interval& interval) {
   Edge& edge = slots_[slot];
   const auto& [a, middle, b] = interval.stops;
-  const bool full = edge.samples.size() >= mostSamples_;
+  const bool full = edge.samples.size() >= maxSamples_;
   if (full && !alone_) {
     edge.crowded = true;
   } else if (full || interval.level == kDeepest) {
@@ -207,7 +207,7 @@ void EdgeImageMaker::halve(std::size_t slot, const Interval& interval) {
   }
 }
 
-SurfacePoint EdgeImageMaker::pointAt(const Edge& edge, double s) const {
+SurfacePoint EdgeImageSampler::pointAt(const Edge& edge, double s) const {
   SurfacePoint p{TriangleMesh::face(edge.halfedge)};
   const int i = TriangleMesh::corner(edge.halfedge);
   p.barycentric[i] = 1.0 - s;
@@ -216,9 +216,9 @@ SurfacePoint EdgeImageMaker::pointAt(const Edge& edge, double s) const {
 }
 
 /// Whether the image of an interval is enclosed at its step.
-EdgeImageMaker::Verdict EdgeImageMaker::judge(Edge& edge, Interval& interval) {
-  const auto at = [&](int i) -> const Arrival& { return edge.places[interval.stops[i].place].at; };
-  const Arrival &a = at(0), &middle = at(1), &b = at(2);
+EdgeImageSampler::Verdict EdgeImageSampler::judge(Edge& edge, Interval& interval) {
+  const auto at = [&](int i) -> const AdvectedPoint& { return edge.places[interval.stops[i].place].at; };
+  const AdvectedPoint &a = at(0), &middle = at(1), &b = at(2);
   double& away = interval.away;
   if (a.left && middle.left && b.left && interval.level >= kDeepestOutside) return Verdict::Done;
   const Shape shape = shapeOf(a, middle, b);
@@ -247,8 +247,8 @@ EdgeImageMaker::Verdict EdgeImageMaker::judge(Edge& edge, Interval& interval) {
 /// it draws any vector out. And as it keeps the area between a chord and what is off it but for the divergence, it does
 /// so by no more than that over how much longer the chord has become; this is known where chords are short enough to
 /// show it. Chords bend where they are in more than one face.
-double EdgeImageMaker::grown(const Interval& interval, const Arrival& a, const Arrival& middle, const Arrival& b,
-                             const Shape& shape) const {
+double EdgeImageSampler::grown(const Interval& interval, const AdvectedPoint& a, const AdvectedPoint& middle,
+                               const AdvectedPoint& b, const Shape& shape) const {
   const Index f = middle.point.face, left = a.point.face, right = b.point.face;
   const double step = tau_ / steps_;
   const double growth = std::max({flow_->growth(f), flow_->growth(left), flow_->growth(right)});
@@ -264,7 +264,8 @@ double EdgeImageMaker::grown(const Interval& interval, const Arrival& a, const A
   return std::min(drawn, std::max(spread, kShown * shape.longest));
 }
 
-EdgeImageMaker::Shape EdgeImageMaker::shapeOf(const Arrival& a, const Arrival& middle, const Arrival& b) const {
+EdgeImageSampler::Shape EdgeImageSampler::shapeOf(const AdvectedPoint& a, const AdvectedPoint& middle,
+                                                  const AdvectedPoint& b) const {
   const FlatFaces& faces = flow_->faces();
   const SurfacePoint &pointA = a.point, &point = middle.point, &pointB = b.point;
   Shape shape{{faces, point.face, pointA.face}, {faces, point.face, pointB.face}};
@@ -287,12 +288,12 @@ EdgeImageMaker::Shape EdgeImageMaker::shapeOf(const Arrival& a, const Arrival& m
 }
 
 /// Collects the faces near the chords from the middle to the two ends. What has left the surface counts where it left.
-void EdgeImageMaker::collect(const Arrival& a, const Arrival& middle, const Arrival& b, const Shape& shape,
-                             double padding) {
+void EdgeImageSampler::collect(const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b,
+                               const Shape& shape, double padding) {
   met_.clear();
   meetsExit_ = false;
   const auto onBoundary = [&](Index h) { meetsExit_ |= flow_->flowsOut(h); };
-  const auto chords = [&](const Arrival& end, const Unfoldings& ways, Complex inEnd) {
+  const auto chords = [&](const AdvectedPoint& end, const Unfoldings& ways, Complex inEnd) {
     if (end.left && middle.left) return;
     met_.push_back(end.point.face);
     for (int i = 0; i < ways.count(); ++i) {
@@ -303,25 +304,25 @@ void EdgeImageMaker::collect(const Arrival& a, const Arrival& middle, const Arri
   chords(b, shape.toB, shape.inB);
 }
 
-void EdgeImageMaker::keep(Edge& edge) {
+void EdgeImageSampler::keep(Edge& edge) {
   edge.image.leaves |= meetsExit_;
   edge.image.faces.insert(edge.image.faces.end(), met_.begin(), met_.end());
 }
 
-bool EdgeImageMaker::staysInSight(int step) const {
+bool EdgeImageSampler::staysInSight(int step) const {
   if (windows_ == nullptr) return true;
   return std::any_of(met_.begin(), met_.end(), [&](Index f) { return windows_->holds(step, f); });
 }
 
 /// Between two samples as close as can be, whose images are apart.
-void EdgeImageMaker::bridge(Edge& edge, const Stop& from, const Stop& to, int step) {
+void EdgeImageSampler::bridge(Edge& edge, const Stop& from, const Stop& to, int step) {
   const auto atTheEnd = [&](const Stop& stop) {
-    Arrival at = edge.places[stop.place].at;
-    if (!at.left && step < steps_) at = forward_->move(at, tau_ * (steps_ - step) / steps_);
+    AdvectedPoint at = edge.places[stop.place].at;
+    if (!at.left && step < steps_) at = forward_->advect(at, tau_ * (steps_ - step) / steps_);
     edge.image.leaves |= at.left;
     return at;
   };
-  const Arrival a = atTheEnd(from), b = atTheEnd(to);
+  const AdvectedPoint a = atTheEnd(from), b = atTheEnd(to);
   if (a.left && b.left) return;
   const Shape shape = shapeOf(a, a, b);
   if (shape.comparable() && shape.longest <= kFlat * shape.size) {
@@ -336,30 +337,30 @@ void EdgeImageMaker::bridge(Edge& edge, const Stop& from, const Stop& to, int st
 
 /// One sample left, its neighbour only touches the boundary: between them runs the neighbour's own trajectory, as far
 /// as it goes through the two faces of the edge before and after the sample.
-void EdgeImageMaker::addTorn(Edge& edge, double staying) {
+void EdgeImageSampler::addTorn(Edge& edge, double staying) {
   const TriangleMesh& mesh = flow_->mesh();
   const Index h = edge.halfedge, twin = mesh.twin(h);
-  const auto beside = [&](const PathPoint& p) {
+  const auto beside = [&](const TrajectoryPoint& p) {
     return p.point.face == TriangleMesh::face(h) || (twin != kNone && p.point.face == TriangleMesh::face(twin));
   };
   const SurfacePoint from = pointAt(edge, staying);
-  const auto stay = [&](Mover& mover) {
+  const auto stay = [&](PointAdvector& advector) {
     double longest = 0.0;
-    for (const PathPoint& p : mover.way(from, tau_)) {
+    for (const TrajectoryPoint& p : advector.trajectory(from, tau_)) {
       longest = p.tau;
       if (!beside(p)) break;
     }
     return longest;
   };
   const double before = stay(*backward_), after = stay(*forward_);
-  for (const PathPoint& p : forward_->way(from, tau_ + after)) {
+  for (const TrajectoryPoint& p : forward_->trajectory(from, tau_ + after)) {
     if (p.tau >= tau_ - before) edge.image.faces.push_back(p.point.face);
   }
 }
 
 /// Both stay, on trajectories that part on the way: between their ends lies what they met after that.
-void EdgeImageMaker::addParting(Edge& edge, double a, double b, double radius) {
-  const auto wayA = forward_->way(pointAt(edge, a), tau_), wayB = forward_->way(pointAt(edge, b), tau_);
+void EdgeImageSampler::addParting(Edge& edge, double a, double b, double radius) {
+  const auto wayA = forward_->trajectory(pointAt(edge, a), tau_), wayB = forward_->trajectory(pointAt(edge, b), tau_);
   std::size_t common = 0;
   while (common < std::min(wayA.size(), wayB.size()) && wayA[common].point.face == wayB[common].point.face) ++common;
   for (const auto* way : {&wayA, &wayB}) {

@@ -35,26 +35,26 @@ struct EdgeImage {
 };
 
 /// An edge, and the arrivals of the ends of its canonical halfedge after the first steps, one at least.
-struct EdgeToMap {
+struct EdgeToSample {
   Index edge;
-  std::span<const Arrival> tail, head;
+  std::span<const AdvectedPoint> tail, head;
 };
 
 /// Makes edge images at one tau; one maker per thread.
-class EdgeImageMaker final : private Moves {
+class EdgeImageSampler final : private AdvectionQueue {
  public:
   /// Told the place of an edge in the list, and its image, which is valid during the call.
   using Keep = std::function<void(std::size_t, const EdgeImage&)>;
 
-  static constexpr std::size_t kMostSamples = 5000;
+  static constexpr std::size_t kMaxSamples = 5000;
 
   /// windows: of the set that images are followed in, or null. It must outlive the maker. Of an edge that needs more
-  /// samples than mostSamples, gaps are bridged.
-  EdgeImageMaker(const TauFlow& flow, double tau, int steps, const SetWindows* windows, const Progress* progress,
-                 std::size_t mostSamples = kMostSamples);
+  /// samples than maxSamples, gaps are bridged.
+  EdgeImageSampler(const PreparedFlow& flow, double tau, int steps, const SetWindows* windows, const Progress* progress,
+                   std::size_t maxSamples = kMaxSamples);
 
   /// Keeps the image of every edge, in any order.
-  void make(std::span<const EdgeToMap> edges, const Keep& keep);
+  void make(std::span<const EdgeToSample> edges, const Keep& keep);
   /// Traces so far.
   std::size_t traces() const { return traces_; }
 
@@ -63,7 +63,7 @@ class EdgeImageMaker final : private Moves {
 
   /// Where a point of the edge has come to after a step, and, once it is known, after the next.
   struct Place {
-    Arrival at;
+    AdvectedPoint at;
     int next = kNowhere;
   };
   /// A point of the edge.
@@ -117,13 +117,13 @@ class EdgeImageMaker final : private Moves {
   };
   enum class Verdict { Goes, Done, Halve };
 
-  bool next(int lane, Arrival& from, double& tau) override;
-  void arrive(int lane, const Arrival& at) override;
+  bool next(int lane, AdvectedPoint& from, double& tau) override;
+  void arrive(int lane, const AdvectedPoint& at) override;
 
   void start(std::size_t number);
   void finish(std::size_t slot);
-  int addKnown(Edge& edge, double s, std::span<const Arrival> arrivals);
-  void addPlace(Edge& edge, int sample, const Arrival& at, int steps);
+  int addKnown(Edge& edge, double s, std::span<const AdvectedPoint> arrivals);
+  void addPlace(Edge& edge, int sample, const AdvectedPoint& at, int steps);
   void open(std::size_t slot, Stop a, Stop b, int step, int level, double away);
   void proceed(std::size_t slot, int number);
   bool waits(const Edge& edge, int number) const;
@@ -131,10 +131,11 @@ class EdgeImageMaker final : private Moves {
   void halve(std::size_t slot, const Interval& interval);
 
   Verdict judge(Edge& edge, Interval& interval);
-  double grown(const Interval& interval, const Arrival& a, const Arrival& middle, const Arrival& b,
+  double grown(const Interval& interval, const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b,
                const Shape& shape) const;
-  Shape shapeOf(const Arrival& a, const Arrival& middle, const Arrival& b) const;
-  void collect(const Arrival& a, const Arrival& middle, const Arrival& b, const Shape& shape, double padding);
+  Shape shapeOf(const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b) const;
+  void collect(const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b, const Shape& shape,
+               double padding);
   void keep(Edge& edge);
   bool staysInSight(int step) const;
 
@@ -143,14 +144,14 @@ class EdgeImageMaker final : private Moves {
   void addTorn(Edge& edge, double staying);
   void addParting(Edge& edge, double a, double b, double radius);
 
-  const TauFlow* flow_;
+  const PreparedFlow* flow_;
   double tau_;
   const SetWindows* windows_;
   int steps_;
-  std::size_t mostSamples_;
-  std::unique_ptr<Mover> forward_, backward_;
+  std::size_t maxSamples_;
+  std::unique_ptr<PointAdvector> forward_, backward_;
   NearFaces near_;
-  std::span<const EdgeToMap> edges_;
+  std::span<const EdgeToSample> edges_;
   const Keep* keep_ = nullptr;
   std::size_t started_ = 0;
   bool alone_ = false;                ///< the edge at hand is the only one

@@ -96,7 +96,7 @@ FaceTransit::FaceTransit(std::shared_ptr<const FlatFaces> faces, std::shared_ptr
       ends_(mesh().edgeCount()),
       edges_(mesh().edgeCount()),
       poincare_(poincareIndices(*field_)),
-      resting_(fixedPointFaces(*field_)),
+      resting_(stormfield::fixedPointFaces(*field_)),
       coarse_(mesh().faceCount(), 0),
       along_(prepareFaces(*faces_, SteadyFlow(field_->values.data(), 1.0))) {
   tbb::parallel_for(Index{0}, mesh().edgeCount(), [&](Index e) {
@@ -258,9 +258,9 @@ double FaceTransit::leavesSlowly(Index f, const SurfacePoint& from, Direction di
   return i + last.barycentric[(i + 1) % 3] / (last.barycentric[i] + last.barycentric[(i + 1) % 3]);
 }
 
-std::vector<TransitPart> FaceTransit::parts(Index f, Direction direction) const {
+std::vector<ContinuousArc> FaceTransit::parts(Index f, Direction direction) const {
   const Arcs all = arcs(f, direction);
-  std::vector<TransitPart> result;
+  std::vector<ContinuousArc> result;
   for (int i = 0; i < all.count; ++i) {
     if (all.exits[i] != 0) continue;
     const auto [begin, length] = all.arc(i);

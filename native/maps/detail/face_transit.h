@@ -47,7 +47,7 @@ struct BoundaryArc {
 };
 
 /// Part of an arc of entry without jumps, with the images of its ends as limits from within.
-struct TransitPart {
+struct ContinuousArc {
   BoundaryArc entry;
   double imageOfBegin, imageOfEnd;
 };
@@ -66,8 +66,8 @@ class FaceTransit {
   /// Whether flow through the face is only known by its directions across the edges: a fixed point rests on one.
   bool isCoarse(Index f) const { return coarse_[f] != 0; }
   /// Whether it holds a fixed point, inside or on its boundary.
-  bool rests(Index f) const { return resting_[f] != 0; }
-  const std::vector<char>& resting() const { return resting_; }
+  bool holdsFixedPoint(Index f) const { return resting_[f] != 0; }
+  const std::vector<char>& fixedPointFaces() const { return resting_; }
   const std::vector<int>& poincare() const { return poincare_; }
 
   /// Where the trajectory through a position leaves the face, or where it comes from; kRest when it stays.
@@ -87,7 +87,7 @@ class FaceTransit {
   BoundaryArc arcOf(Index f, double position, Direction direction = Direction::Forward) const;
 
   /// The arcs of entry in continuous parts, cut at the jumps, which are found by bisection.
-  std::vector<TransitPart> parts(Index f, Direction direction = Direction::Forward) const;
+  std::vector<ContinuousArc> parts(Index f, Direction direction = Direction::Forward) const;
 
  private:
   struct Arcs;

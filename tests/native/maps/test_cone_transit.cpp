@@ -95,9 +95,9 @@ TEST(ConeTransit, ArcsHoldWhereTrajectoriesOfAllFieldsLeave) {
       for (int i = 0; i < (longTests() ? 20000 : 150); ++i) {
         const Index f = numbers.below(field->mesh().faceCount());
         const int side = numbers.below(3);
-        if (cones.rests(f)) continue;
+        if (cones.mayHoldFixedPoint(f)) continue;
         const double begin = numbers.uniform(0.0, 0.9), end = begin + 0.1 * numbers.uniform(0.0, 1.0);
-        const LeavingArcs arcs = cones.leaving(f, side, begin, end);
+        const ExitArcs arcs = cones.leaving(f, side, begin, end);
         // The same error at all corners turns the field as far as it can be turned.
         const Complex error = std::polar(epsilon, numbers.uniform(-kPi, kPi));
         std::array<Complex, 3> values;
@@ -144,7 +144,7 @@ TEST(TransitMap, HoldsWhereFineTrajectoriesLeave) {
       const Index node = map.nodeOf(numbers.below(map.pieceCount()));
       const EdgePiece& piece = map.piece(node);
       // Jumps in faces with a fixed point are found by bisection only; one in 80,000 trajectories misses there.
-      if (piece.enters < 0 || map.transit().rests(piece.enters)) continue;
+      if (piece.enters < 0 || map.faceTransit().holdsFixedPoint(piece.enters)) continue;
       const Index h = map.mesh().edgeHalfedge(piece.edge);
       const bool canonical = TriangleMesh::face(h) == piece.enters;
       const double fraction = piece.from + numbers.uniform(0.0, 1.0) * (piece.to - piece.from);
@@ -224,7 +224,7 @@ TEST(TransitMapOfAllFields, GrowsWithTheBound) {
     const ConeTransit cones(faces, field, 0.0);
     TransitMap before = pieces;
     for (const double epsilon : {1e-3, 1e-2, 0.03, 0.1, 0.3, 1.0}) {
-      const TransitMap after = pieces.within(std::make_shared<const ConeTransit>(cones.within(epsilon)));
+      const TransitMap after = pieces.withinEpsilon(std::make_shared<const ConeTransit>(cones.withinEpsilon(epsilon)));
       int missing = 0;
       for (Index node = 0; node < before.outside(); ++node) {
         const std::set<Index> less = reached(before, node), more = reached(after, node);

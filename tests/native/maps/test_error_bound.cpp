@@ -52,7 +52,8 @@ bool leads(const CombinatorialMap& map, Index a, Index b) {
 
 MorseDecomposition decomposed(const VectorField& field, const ErrorBoundedMap& bounded, double epsilon) {
   Progress progress;
-  return morseDecomposition(field, mapWithin(bounded, epsilon), {{}, restingWithin(bounded, epsilon), false}, progress);
+  return morseDecomposition(field, mapWithinEpsilon(bounded, epsilon),
+                            {{}, fixedPointFacesWithinEpsilon(bounded, epsilon), false}, progress);
 }
 
 MorseDecomposition decomposed(const VectorField& field) {
@@ -64,7 +65,7 @@ MorseDecomposition decomposed(const VectorField& field) {
 TEST(ErrorBoundedMap, WithoutErrorIsTheGeometryMap) {
   for (const NamedSurface& s : closedSurfaces()) {
     const VectorField field = randomField(makeCharts(s.surface), 3);
-    const CombinatorialMap wanted = geometryMap(field), map = mapWithin(errorBoundedMap(field, {}), 0.0);
+    const CombinatorialMap wanted = geometryMap(field), map = mapWithinEpsilon(errorBoundedMap(field, {}), 0.0);
     EXPECT_EQ(map.graph.offsets, wanted.graph.offsets) << s.name;
     EXPECT_EQ(map.graph.targets, wanted.graph.targets) << s.name;
   }
@@ -81,8 +82,8 @@ TEST(ErrorBoundedMap, HoldsTheMapOfEveryFieldWithinTheBound) {
       const double epsilon = random.uniform(0.01, 0.5);
       const auto weights = round % 2 == 0 ? std::vector<double>{} : randomWeights(charts->mesh().vertexCount(), random);
       const ErrorBoundedMap bounded = errorBoundedMap(field, weights);
-      const CombinatorialMap map = mapWithin(bounded, epsilon);
-      const std::vector<char> resting = restingWithin(bounded, epsilon);
+      const CombinatorialMap map = mapWithinEpsilon(bounded, epsilon);
+      const std::vector<char> resting = fixedPointFacesWithinEpsilon(bounded, epsilon);
       // Errors of the full size as well: the bound itself is within the bound.
       const VectorField other = disturbed(field, epsilon, weights, random, round % 3 == 0 ? 1.0 : 0.0);
       const CombinatorialMap otherMap = geometryMap(other);
@@ -106,7 +107,7 @@ TEST(ErrorBoundedMap, EdgesComeAtTheLeastEpsilon) {
     for (const Index h : {mesh.edgeHalfedge(e), mesh.twin(mesh.edgeHalfedge(e))}) {
       const Index f = TriangleMesh::face(h), g = TriangleMesh::face(mesh.twin(h));
       const auto at = std::lower_bound(bounded.map.graph.begin(f), bounded.map.graph.end(f), g);
-      const double from = bounded.from[at - bounded.map.graph.targets.data()];
+      const double from = bounded.edgeEpsilon[at - bounded.map.graph.targets.data()];
       const auto [tail, head] = endVectors(field, h);
       const double wanted = std::max(0.0, std::min(tail.imag(), head.imag()));
       EXPECT_NEAR(from, wanted, 1e-12);
@@ -129,8 +130,8 @@ TEST(ErrorBoundedMap, FlatFacesRestAtTheirLeastSpeed) {
       }
       least = std::min(least, evaluate(field, {f, b}).norm());
     }
-    EXPECT_LE(bounded.restsFrom[f], least);
-    EXPECT_GE(bounded.restsFrom[f], least - 0.05);
+    EXPECT_LE(bounded.faceEpsilon[f], least);
+    EXPECT_GE(bounded.faceEpsilon[f], least - 0.05);
   }
 }
 
@@ -211,12 +212,12 @@ TEST(ErrorBoundedDecomposition, HoldsUnderNoiseInEveryRunWhileFixedPointsChange)
 /// The least epsilon at which the set's faces are connected with those of another, among all at which F changes.
 std::vector<double> byTrying(const ErrorBoundedMap& bounded, const IndexSets& sets, double epsilon) {
   std::vector<double> result(sets.count(), std::numeric_limits<double>::infinity());
-  std::vector<double> levels = bounded.from;
+  std::vector<double> levels = bounded.edgeEpsilon;
   std::sort(levels.begin(), levels.end());
   levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   for (const double level : levels) {
     if (!(level > epsilon) || !std::isfinite(level)) continue;
-    const Components parts = stronglyConnectedComponents(mapWithin(bounded, level).graph);
+    const Components parts = stronglyConnectedComponents(mapWithinEpsilon(bounded, level).graph);
     for (Index a = 0; a < sets.count(); ++a) {
       for (Index b = 0; b < sets.count(); ++b) {
         if (a == b || parts.of[sets.members(a)[0]] != parts.of[sets.members(b)[0]]) continue;
@@ -249,7 +250,7 @@ TEST(Persistence, LevelsAreTheComponentsOfEveryEpsilon) {
   const MergeLevels levels = mergeLevels(bounded, progress);
   EXPECT_TRUE(std::is_sorted(levels.epsilon.begin(), levels.epsilon.end()));
   for (const double epsilon : {0.0, 0.01, 0.1, 0.3, 1.0, 10.0}) {
-    const auto parts = stronglyConnectedComponents(mapWithin(bounded, epsilon).graph);
+    const auto parts = stronglyConnectedComponents(mapWithinEpsilon(bounded, epsilon).graph);
     const auto joins = std::upper_bound(levels.epsilon.begin(), levels.epsilon.end(), epsilon) - levels.epsilon.begin();
     EXPECT_EQ(parts.count(), bounded.map.graph.nodeCount() - joins);
     for (std::ptrdiff_t i = 0; i < joins; ++i) EXPECT_EQ(parts.of[levels.first[i]], parts.of[levels.second[i]]);

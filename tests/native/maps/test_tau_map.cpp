@@ -24,12 +24,12 @@ bool leadsTo(const CombinatorialMap& map, Index from, Index to) {
 }
 
 /// Random points of random faces (of those asked for, or all), to be moved, that do not end in F of their face.
-class Escapes final : public Moves {
+class Escapes final : public AdvectionQueue {
  public:
   Escapes(const CombinatorialMap& map, double tau, int tries, const std::vector<Index>& asked)
       : map_(map), tau_(tau), left_(tries), asked_(asked) {}
 
-  bool next(int lane, Arrival& from, double& tau) override {
+  bool next(int lane, AdvectedPoint& from, double& tau) override {
     if (left_-- <= 0) return false;
     const Index face =
         asked_.empty() ? random_.below(map_.outside()) : asked_[random_.below(static_cast<Index>(asked_.size()))];
@@ -38,7 +38,7 @@ class Escapes final : public Moves {
     tau = tau_;
     return true;
   }
-  void arrive(int lane, const Arrival& end) override {
+  void arrive(int lane, const AdvectedPoint& end) override {
     count_ += !leadsTo(map_, from_[lane], end.left ? map_.outside() : end.point.face);
   }
   int count() const { return count_; }
@@ -56,8 +56,8 @@ class Escapes final : public Moves {
 int escapes(const FlatFaces& faces, const VectorField& field, const CombinatorialMap& map, TauUnit unit, double tau,
             int tries, const std::vector<Index>& asked = {}) {
   Escapes moves(map, tau, tries, asked);
-  const TauFlow flow(faces, field, unit, 1e-8);
-  flow.mover(Direction::Forward, nullptr)->moveAll(moves);
+  const PreparedFlow flow(faces, field, unit, 1e-8);
+  flow.advector(Direction::Forward, nullptr)->advectAll(moves);
   return moves.count();
 }
 
@@ -153,28 +153,28 @@ TEST(TauMap, BridgesGapsOfEdgesThatNeedTooManySamples) {
   const VectorField field = randomField(charts, 3);
   const double tau = startingTau(field, TauUnit::Time, 6.0);
   constexpr int kSteps = 16;
-  const TauFlow flow(faces, field, TauUnit::Time, 1e-5);
-  const auto mover = flow.mover(Direction::Forward, nullptr);
-  std::vector<std::vector<Arrival>> arrivals(mesh.vertexCount());
+  const PreparedFlow flow(faces, field, TauUnit::Time, 1e-5);
+  const auto advector = flow.advector(Direction::Forward, nullptr);
+  std::vector<std::vector<AdvectedPoint>> arrivals(mesh.vertexCount());
   for (Index v = 0; v < mesh.vertexCount(); ++v) {
-    Arrival at{.point = vertexPoint(mesh, v)};
-    for (int i = 0; i < kSteps; ++i) arrivals[v].push_back(at = mover->move(at, tau / kSteps));
+    AdvectedPoint at{.point = vertexPoint(mesh, v)};
+    for (int i = 0; i < kSteps; ++i) arrivals[v].push_back(at = advector->advect(at, tau / kSteps));
   }
-  std::vector<EdgeToMap> edges;
+  std::vector<EdgeToSample> edges;
   for (Index e = 0; e < 160; ++e) {
     const Index h = mesh.edgeHalfedge(e);
     edges.push_back({e, arrivals[mesh.tail(h)], arrivals[mesh.head(h)]});
   }
-  const auto images = [&](std::size_t mostSamples, std::size_t pieces) {
+  const auto images = [&](std::size_t maxSamples, std::size_t pieces) {
     std::vector<std::vector<Index>> made(edges.size());
     for (std::size_t first = 0; first < edges.size(); first += edges.size() / pieces) {
-      EdgeImageMaker maker(flow, tau, kSteps, nullptr, nullptr, mostSamples);
+      EdgeImageSampler maker(flow, tau, kSteps, nullptr, nullptr, maxSamples);
       maker.make(std::span(edges).subspan(first, edges.size() / pieces),
                  [&](std::size_t i, const EdgeImage& image) { made[first + i] = image.faces; });
     }
     return made;
   };
-  const auto whole = images(EdgeImageMaker::kMostSamples, 1), bridged = images(20, 1);
+  const auto whole = images(EdgeImageSampler::kMaxSamples, 1), bridged = images(20, 1);
   EXPECT_NE(bridged, whole);
   EXPECT_EQ(bridged, images(20, edges.size()));
   for (const auto& image : bridged) EXPECT_FALSE(image.empty());
@@ -253,9 +253,9 @@ TEST(TauMap, EnclosesWhatPassesTheBoundaryWhereAllEdgesLeave) {
   const VectorField field = smoothField(charts);
   const double tau = startingTau(field, TauUnit::Length, 0.3);
   const CombinatorialMap map = tauMap(faces, field, tau, {.unit = TauUnit::Length});
-  const TauFlow flow(faces, field, TauUnit::Length, 1e-8);
+  const PreparedFlow flow(faces, field, TauUnit::Length, 1e-8);
   const SurfacePoint passing{4, {0.8777, 0.0992, 0.0231}};
-  const Arrival end = flow.mover(Direction::Forward, nullptr)->move(passing, tau);
+  const AdvectedPoint end = flow.advector(Direction::Forward, nullptr)->advect(passing, tau);
   ASSERT_FALSE(end.left);
   EXPECT_TRUE(leadsTo(map, passing.face, end.point.face));
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Length, tau, 2000, {2, 3, 4, 5}), 0);

@@ -22,8 +22,8 @@ namespace {
 MorseDecomposition decomposed(const VectorField& field, double epsilon = 0.0, bool keepEmpty = false) {
   const ErrorBoundedMap bounded = errorBoundedMap(field, {});
   Progress progress;
-  return morseDecomposition(field, mapWithin(bounded, epsilon), {{}, restingWithin(bounded, epsilon), keepEmpty},
-                            progress);
+  return morseDecomposition(field, mapWithinEpsilon(bounded, epsilon),
+                            {{}, fixedPointFacesWithinEpsilon(bounded, epsilon), keepEmpty}, progress);
 }
 
 VectorField spaceField(const Surface& s, const std::function<Vec3(const Vec3&)>& function) {
@@ -257,7 +257,7 @@ TEST(MorseConnectionGraph, HasTheReachabilityOfTheMapAndNoEdgeTooMany) {
     VectorField field = overSphere(2, [](double z) { return z - 0.2; });
     Random random(seed);
     for (Complex& value : field.values) value += 0.6 * Complex(random.uniform(), random.uniform());
-    const CombinatorialMap map = mapWithin(errorBoundedMap(field, {}), 0.0);
+    const CombinatorialMap map = mapWithinEpsilon(errorBoundedMap(field, {}), 0.0);
     Progress progress;
     const MorseDecomposition morse = morseDecomposition(field, map, {}, progress);
     const Index n = morse.faces.count();

@@ -32,7 +32,7 @@ ErrorBoundedMap randomMap(Index nodes, Index edgesOfNode, Index reach, int level
       const double epsilon = levels > 0 ? 1.0 + random.below(levels) : random.uniform(0.0, 1.0);
       const int kind = random.below(rare);
       result.map.graph.targets.push_back(target);
-      result.from.push_back(kind == 0 ? 0.0 : kind == 1 ? kNever : epsilon);
+      result.edgeEpsilon.push_back(kind == 0 ? 0.0 : kind == 1 ? kNever : epsilon);
     }
     result.map.graph.offsets.push_back(result.map.graph.targets.size());
   }
@@ -47,7 +47,7 @@ ErrorBoundedMap ring(Index nodes, Random& random) {
     const Index next = (node + 1) % nodes, chord = random.below(nodes);
     for (const Index target : {std::min(next, chord), std::max(next, chord)}) {
       result.map.graph.targets.push_back(target);
-      result.from.push_back(target != next ? random.uniform(0.9, 3.0) : next == 0 ? 1.0 : 0.0);
+      result.edgeEpsilon.push_back(target != next ? random.uniform(0.9, 3.0) : next == 0 ? 1.0 : 0.0);
     }
     result.map.graph.offsets.push_back(result.map.graph.targets.size());
   }
@@ -70,7 +70,7 @@ void expectComponentsOfEveryEpsilon(const ErrorBoundedMap& bounded) {
   Progress progress;
   const MergeLevels levels = mergeLevels(bounded, progress);
   ASSERT_TRUE(std::is_sorted(levels.epsilon.begin(), levels.epsilon.end()));
-  std::vector<double> epsilons = bounded.from;
+  std::vector<double> epsilons = bounded.edgeEpsilon;
   std::sort(epsilons.begin(), epsilons.end());
   epsilons.erase(std::unique(epsilons.begin(), epsilons.end()), epsilons.end());
   std::vector<Index> least(bounded.map.graph.nodeCount());
@@ -85,7 +85,7 @@ void expectComponentsOfEveryEpsilon(const ErrorBoundedMap& bounded) {
       std::replace(least.begin(), least.end(), face, into);
     }
     if (epsilon == kNever) continue;
-    ASSERT_EQ(least, leastMembers(stronglyConnectedComponents(mapWithin(bounded, epsilon).graph).of)) << epsilon;
+    ASSERT_EQ(least, leastMembers(stronglyConnectedComponents(mapWithinEpsilon(bounded, epsilon).graph).of)) << epsilon;
   }
   EXPECT_EQ(i, levels.epsilon.size());
 }
@@ -123,7 +123,7 @@ TEST(MergeLevels, AreTheSameForAnyThreadCount) {
   EXPECT_EQ(levels.second, again.second);
   for (const double epsilon : {0.0, 0.2, 0.4, 0.6, 1.0}) {
     const auto joins = std::upper_bound(levels.epsilon.begin(), levels.epsilon.end(), epsilon) - levels.epsilon.begin();
-    const auto parts = stronglyConnectedComponents(mapWithin(bounded, epsilon).graph);
+    const auto parts = stronglyConnectedComponents(mapWithinEpsilon(bounded, epsilon).graph);
     EXPECT_EQ(parts.count(), bounded.map.graph.nodeCount() - joins);
     for (std::ptrdiff_t i = 0; i < joins; ++i) EXPECT_EQ(parts.of[levels.first[i]], parts.of[levels.second[i]]);
   }

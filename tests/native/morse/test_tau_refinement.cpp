@@ -94,7 +94,7 @@ class Recomputation {
                      [&](Index t) { return isIn(s, t); });
       }
     }
-    const CombinatorialMap map = mapOf(inside);
+    const CombinatorialMap map = mapFromRows(inside);
     const FaceSets parts = recurrentSets(map, stronglyConnectedComponents(map.graph));
     const std::vector<char> recurs = canRecur(field_.mesh(), parts, resting_);
     std::vector<Index> setOf(rows_.size(), kNone);
@@ -115,14 +115,14 @@ class Recomputation {
     // After 2^k steps each, back to the first tau: images are followed in the set of that tau, and of none before.
     const Chain& chain = chains_[set];
     SetWindows windows;
-    windows.steps = stepsOf(flow_, tau);
+    windows.steps = advectionStepCount(flow_, tau);
     const int doublings = std::countr_zero(static_cast<unsigned>(windows.steps));
     for (int k = 0; k < doublings; ++k) {
       const int age = doublings - k, place = static_cast<int>(chain.size()) - age;
       windows.levels.push_back(place < 0 ? nullptr : chain[place]);
     }
     const auto& members = sets_.members(set);
-    const TauRows made = tauRowsInside(flow_, members, tau, windows);
+    const TauRows made = tauRowsWithinSet(flow_, members, tau, windows);
     for (std::size_t i = 0; i < members.size(); ++i) {
       const Index f = members[i];
       std::vector<Index> row;
@@ -142,7 +142,7 @@ class Recomputation {
   const std::vector<double>& taus_;
   std::vector<char> resting_;
   FlatFaces flat_;
-  TauFlow flow_;
+  PreparedFlow flow_;
   std::vector<Index> order_;
   std::vector<std::vector<Index>> rows_;
   FaceSets sets_;
@@ -152,7 +152,7 @@ class Recomputation {
 void expectRecomputation(const VectorField& field, const RefinementOptions& options,
                          const MorseRefinement& refinement) {
   const Recomputation again(field, options, refinement.taus());
-  const CombinatorialMap map = refinement.map(), expected = mapOf(again.rows());
+  const CombinatorialMap map = refinement.map(), expected = mapFromRows(again.rows());
   EXPECT_EQ(refinement.sets().setOf(), again.sets().setOf());
   EXPECT_EQ(map.graph.offsets, expected.graph.offsets);
   EXPECT_EQ(map.graph.targets, expected.graph.targets);

@@ -79,7 +79,7 @@ TEST(TransitMap, HoldsWhereTrajectoriesLeaveFaces) {
           const double fraction = piece.from + numbers.uniform(0.0, 1.0) * (piece.to - piece.from);
           const bool canonical = TriangleMesh::face(h) == piece.enters;
           const Index entered = canonical ? h : map.mesh().twin(h);
-          const double to = map.transit().leaves(
+          const double to = map.faceTransit().leaves(
               piece.enters, TriangleMesh::corner(entered) + (canonical ? fraction : 1.0 - fraction));
           map.row(node, row);
           if (to == FaceTransit::kRest) {
@@ -138,7 +138,7 @@ TEST(TransitRefinement, HoldsEveryFixedPointAndSumsToTheEulerCharacteristic) {
     EXPECT_EQ(sum, euler) << what;
     const FaceTransit transit(flatFaces(*field), field);
     for (Index f = 0; f < field->mesh().faceCount(); ++f) {
-      EXPECT_LE(transit.rests(f), covered.count(f)) << what << ", face " << f;
+      EXPECT_LE(transit.holdsFixedPoint(f), covered.count(f)) << what << ", face " << f;
     }
   }
 }
@@ -200,11 +200,11 @@ TEST(TransitMap, EdgesThatFlowRunsAlongAreCrossedByNone) {
   const auto field = std::make_shared<const VectorField>(exact);
   const TransitMap map(flatFaces(*field), field);
   int along = 0;
-  for (Index e = 0; e < mesh.edgeCount(); ++e) along += map.transit().edgeFlow(e).along != 0;
+  for (Index e = 0; e < mesh.edgeCount(); ++e) along += map.faceTransit().edgeFlow(e).along != 0;
   EXPECT_EQ(along, 2 * 16);
   for (Index p = 0; p < map.pieceCount(); ++p) {
     const EdgePiece& piece = map.piece(map.nodeOf(p));
-    EXPECT_EQ(piece.enters == EdgePiece::kAlong, map.transit().edgeFlow(piece.edge).along != 0);
+    EXPECT_EQ(piece.enters == EdgePiece::kAlong, map.faceTransit().edgeFlow(piece.edge).along != 0);
     EXPECT_NE(piece.enters, EdgePiece::kBothFaces);
   }
   EXPECT_EQ(kinds(refined(field).morse), (std::map<std::string, int>{{"attracting", 1}, {"repelling", 1}}));
