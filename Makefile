@@ -3,6 +3,7 @@
 # make test   all tests and checks, under every Blender that is found
 # make bench  benchmarks; they print ratios
 # make lint   formatting, ruff, mypy
+# make docs   the documentation, in build/docs/html; warnings are errors
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 JOBS ?= $(shell nproc)
@@ -18,7 +19,7 @@ ENVIRONMENTS = $(shell scripts/environments.sh list)
 core_sources := $(shell find native cmake CMakeLists.txt CMakePresets.json -type f)
 addon_sources := $(shell find addon -type f -not -path '*/__pycache__/*')
 
-.PHONY: all demo test test-native test-python bench lint clean
+.PHONY: all demo test test-native test-python bench lint docs clean
 all: build/.installed
 
 build/.packages: scripts/debian_packages.sh
@@ -47,7 +48,7 @@ build/.installed: build/.core build/.environments $(addon_sources) pyproject.tom
 demo: all
 	$(PYTHON) blend_examples/demo.py
 
-test: lint test-native test-python
+test: lint test-native test-python docs
 
 test-native: build/.packages
 	cmake --preset asan
@@ -81,6 +82,14 @@ lint: build/.packages build/.lint
 	.venv-lint/bin/ruff check .
 	.venv-lint/bin/ruff format --check .
 	.venv-lint/bin/mypy
+
+build/.docs: build/.environments pyproject.toml
+	$(PYTHON) -m pip install --quiet $(call extra,docs)
+	@touch $@
+
+docs: all build/.docs
+	$(PYTHON) -m sphinx -W --keep-going -q -b html docs build/docs/html
+	@echo "build/docs/html/index.html"
 
 clean:
 	rm -rf build out
