@@ -3,7 +3,9 @@
 The package imports without Blender (command line, pipelines); everything that needs bpy is imported inside register().
 """
 
-__version__ = "0.1.0"
+from . import version
+
+__version__ = version.VERSION
 
 
 def _modules():

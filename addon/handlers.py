@@ -3,14 +3,14 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from .convert import mirror, relocate
-from .operators import morse_preview, morse_state, running, solver_memory
+from .scene.write import cache_folders, mirror
+from .session import morse_preview, morse_state, running, solver_state
 from .ui import overlay
 
 
 @persistent
 def move_caches_to_file(blend: str, *_):
-    relocate.move_temporary_caches(blend)
+    cache_folders.move_temporary_caches(blend)
 
 
 @persistent
@@ -30,7 +30,7 @@ def forget_drawings(*_):
 
 @persistent
 def forget_solver(*_):
-    solver_memory.forget()
+    solver_state.forget()
 
 
 @persistent
@@ -75,7 +75,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    solver_memory.forget()
+    solver_state.forget()
     for name, function in HANDLERS:
         functions = getattr(bpy.app.handlers, name)
         if function in functions:

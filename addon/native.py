@@ -12,6 +12,8 @@ from functools import cache
 from types import ModuleType
 from typing import Any
 
+from .version import VERSION
+
 MODULE = "stormfield_native"
 
 
@@ -32,12 +34,10 @@ def load() -> ModuleType:
         raise NativeError(_missing()) from None
     except ImportError as error:
         raise NativeError(_unloadable(str(error))) from error
-    from . import __version__
-
     found = getattr(module, "__version__", "without a version")
-    if found != __version__:
+    if found != VERSION:
         raise NativeError(
-            f"The compiled core is version {found}, Stormfield is version {__version__}: "
+            f"The compiled core is version {found}, Stormfield is version {VERSION}: "
             "install both from the same package, and restart"
         )
     return module
@@ -55,7 +55,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _import_blender_first() -> None:
-    """The bpy wheel brings a oneTBB newer than the system's; whichever is loaded first serves both (DESIGN 2, 10)."""
+    """The bpy wheel brings a oneTBB newer than the system's; whichever is loaded first serves both."""
     if "bpy" in sys.modules or importlib.util.find_spec("bpy") is None:
         return
     importlib.import_module("bpy")

@@ -29,7 +29,7 @@ class Solution:
     iterations: Mapping[str, int] | None = None
 
 
-class SolverMemory:
+class SolverState:
     """What solves leave for the next one on the same mesh: its hierarchy, last solutions and buffers.
 
     With it an edit costs about half a solve. The field then agrees with one solved from zero to the tolerance, but not
@@ -50,7 +50,7 @@ class SolverMemory:
         self._native = self._mesh = None
 
     def of(self, mesh: MeshData) -> tuple[Any, Any]:
-        """The native mesh and memory for a solve on `mesh`, new ones where this memory is of another."""
+        """The native mesh and state for a solve on `mesh`, new ones where this state is of another mesh."""
         if not self.holds(mesh):
             self._native = native.SolverMemory()
             self._mesh = native.TriangleMesh(mesh.vertices, mesh.triangles)
@@ -61,13 +61,13 @@ class SolverMemory:
 class SolveJob:
     """A running solve. A job that is dropped is cancelled."""
 
-    def __init__(self, mesh: MeshData, design: Design, memory: SolverMemory | None = None) -> None:
+    def __init__(self, mesh: MeshData, design: Design, state: SolverState | None = None) -> None:
         design.check()
         self._fingerprint = mesh.fingerprint()
         self._solves = _distinct(design)
         native.check()
         try:
-            surface, kept = (memory or SolverMemory()).of(mesh)
+            surface, kept = (state or SolverState()).of(mesh)
             lists = [[_native_element(element) for element in elements] for _, elements in self._solves]
             for elements in lists:
                 native.check_elements(elements)
@@ -115,12 +115,12 @@ class SolveJob:
         return Solution(lambdas, fields, self._fingerprint, tuple(notes), iterations)
 
 
-def start_solve(mesh: MeshData, design: Design, memory: SolverMemory | None = None) -> SolveJob:
-    """Starts to solve both fields: from zero, or from what the last solve on this mesh left in `memory`.
+def start_solve(mesh: MeshData, design: Design, state: SolverState | None = None) -> SolveJob:
+    """Starts to solve both fields: from zero, or from what the last solve on this mesh left in `state`.
 
     Raises InputError at once for faults that need no solve; the others come from the job's result().
     """
-    return SolveJob(mesh, design, memory)
+    return SolveJob(mesh, design, state)
 
 
 Solve = tuple[tuple[str, ...], tuple[Element, ...]]

@@ -92,8 +92,8 @@ def solve_and_bake(options: Options, obj: bpy.types.Object, name: str) -> Path:
 
 def print_flicker(obj: bpy.types.Object, keys: int = 6) -> None:
     """The solved field's flicker and that of linear interpolation between key frames taken from it."""
-    attach, native = part("convert.attach"), part("native")
-    cache = part("bake.cache").open_cache(attach.attached_folder(obj, attach.LAMBDA))
+    attached, native = part("scene.read.attached"), part("native")
+    cache = part("cache.field_cache").open_cache(attached.attached_folder(obj, attached.LAMBDA))
     solved = cache.values("sf_advection")
     weights = flicker.vertex_areas(cache.mesh.vertices, cache.mesh.triangles)
     mesh = native.TriangleMesh(cache.mesh.vertices, cache.mesh.triangles)

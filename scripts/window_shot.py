@@ -60,9 +60,10 @@ def do_without_usd():
     """Linux distributions build Blender without USD. The cache is then written by usd-core (out/usd-core), and this
     script, instead of Blender's Mesh Sequence Cache, puts the attributes of the current λ onto the mesh."""
     sys.path.append(str(ROOT / "out" / "usd-core"))
-    from stormfield.bake.cache import open_cache
-    from stormfield.convert import attach
+    from stormfield.cache.field_cache import open_cache
     from stormfield.operators import requirements
+    from stormfield.scene.read import attached
+    from stormfield.scene.write import attach
 
     requirements._has_usd = lambda: True
     caches = {}
@@ -81,7 +82,10 @@ def do_without_usd():
         show(bpy.context.scene)
 
     attach.attach_lambda = remember
-    attach.attached_folder = lambda obj, _name: caches[obj.name].folder if obj.name in caches else None
+    known = attached.attached_folder
+    for module in list(sys.modules.values()):
+        if getattr(module, "attached_folder", None) is known:
+            module.attached_folder = lambda obj, _name: caches[obj.name].folder if obj.name in caches else None
     bpy.app.handlers.frame_change_post.append(show)
 
 

@@ -12,21 +12,6 @@ import numpy as np
 
 Row = Literal["repelling", "saddle", "attracting"]
 
-#: Thesis colours (RGB, linear 0..1): repelling green, attracting red, saddle blue.
-KIND_COLOURS: Mapping[str, tuple[float, float, float]] = {
-    "source": (0.10, 0.75, 0.20),
-    "repelling": (0.10, 0.75, 0.20),
-    "sink": (0.90, 0.12, 0.10),
-    "attracting": (0.90, 0.12, 0.10),
-    "saddle": (0.12, 0.30, 0.95),
-    "center": (0.95, 0.75, 0.10),
-    "degenerate": (0.60, 0.60, 0.60),
-    "inflow": (0.45, 0.80, 0.50),
-    "outflow": (0.95, 0.50, 0.45),
-    "trivial": (0.55, 0.55, 0.55),
-    "other": (0.65, 0.25, 0.85),
-}
-
 
 @dataclass(frozen=True, eq=False)
 class Entity:

@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from .. import native
-from ..bake.fields import native_mesh
-from ..bake.job import Step, Steps
+from ..cache.fields import native_mesh
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
+from ..work import Step, Steps, result_of
 from .seeds import Seeds, normals_at, rings
-from .steps import check_moves, result_of
+from .steps import check_moves
 
 #: Kinds whose points carry times, and kinds with curves for each frame.
 GROWING, BY_FRAME = ("STREAMLINE", "PATHLINE"), ("STREAKLINE", "TIMELINE")

@@ -1,32 +1,29 @@
-"""Analyses as generators of steps, for the modal operators and for whoever else must not block (see bake/job.py).
+"""Analyses as generators of steps, for the modal operators and for whoever else must not block (see work.py).
 
     graph = run(ecg_steps(mesh, values, lam=0.3))
     tracking = run(tracking_steps(open_cache(folder), mesh, "sf_advection"))
     morse = run(morse_steps(mesh, values, lam=0.3, method="tau", tau=0.1))
 
-Closing a generator stops the work within 0.1 s. Stop (bake/job.py) ends a refinement with the rounds that are complete.
+Closing a generator stops the work within 0.1 s. Stop (work.py) ends a refinement with the rounds that are complete.
 """
 
-from collections.abc import Generator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from .. import native
-from ..bake.cache import FieldCache
-from ..bake.fields import native_mesh
-from ..bake.job import Step, Steps, Stop
+from ..cache.field_cache import FieldCache
+from ..cache.fields import native_mesh
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
+from ..work import Step, Steps, result_of
 from . import mcg, tracking
 from .entities import EntityGraph
 from .tracking import Tracking
 
 #: Where an analysis begins, in parts of the whole: before, its one field is read, or all samples.
 READ_ONE, READ = 0.1, 0.4
-#: Jobs that were cancelled and have not ended yet: dropping one would wait for it.
-_ending: list[Any] = []
 
 
 def ecg_steps(mesh: MeshData, values: np.ndarray, lam: float) -> Steps[EntityGraph]:
@@ -121,23 +118,3 @@ def _check_finite(values: np.ndarray) -> None:
     if not np.isfinite(values).all():
         vertex = int(np.flatnonzero(~np.isfinite(values).all(axis=1))[0])
         raise InputError(f"the field is not finite at vertex {vertex}; solve again")
-
-
-def result_of(job: Any, start: float, message: str, end: float = 1.0) -> Generator[Step, None, Any]:
-    """Waits for work on the core's threads and returns its result; closing the generator stops the work, at once:
-    what the work still needs to end is not waited for. start, end: its range in the fractions of the steps.
-
-    After Stop the result is what the work has come to, or native.Cancelled where it leaves nothing.
-    """
-    try:
-        while not job.done:
-            try:
-                yield Step(start + (end - start) * job.fraction, message, waiting=True)
-            except Stop:
-                job.cancel()
-        return job.result()
-    finally:
-        _ending[:] = [ending for ending in _ending if not ending.done]
-        if not job.done:
-            job.cancel()
-            _ending.append(job)

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from .. import native
-from ..bake.job import Step, Steps
 from ..model.mesh_data import MeshData
+from ..work import Step, Steps, result_of
 from .seeds import normals_at
-from .steps import READ_ONE, check_moves, field_steps, result_of
+from .steps import READ_ONE, check_moves, field_steps
 
 #: Distance between two arrow heads on a line, in distances between lines; length and half width of a head, in radii of
 #: lines.

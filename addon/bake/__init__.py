@@ -1,1 +1,1 @@
-"""From a design to files that renders read without Python: the λ cache, the frame cache, EXR flow maps, VDB bands."""
+"""From a solved field to files that renders read without Python: frame cache, EXR flow maps, VDB bands, Morse sets."""

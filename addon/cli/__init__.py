@@ -9,13 +9,13 @@ from typing import NoReturn
 
 import click
 
-from .. import __version__
+from ..version import VERSION
 from .blender import leave
 from .faults import as_exit_status
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="stormfield")
+@click.version_option(VERSION, prog_name="stormfield")
 def cli() -> None:
     """Vector fields on surfaces that change over time.
 

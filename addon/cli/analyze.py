@@ -12,9 +12,8 @@ def analyze(given: FieldInput, lam: float | None) -> None:
     """Find the fixed points, periodic orbits and separatrices of FIELD, and how they are linked."""
     from .. import native
     from ..analysis.ecg import entity_graph, topology_json
-    from ..analysis.image import draw_analysis
-    from ..analysis.steps import result_of
-    from ..bake.job import run
+    from ..figures.image import draw_analysis
+    from ..work import result_of, run
 
     lam = float(given.data.lambdas[0]) if lam is None else lam
     with given.phases("topology"), progress("Analyzing") as show:

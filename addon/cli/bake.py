@@ -40,30 +40,28 @@ def bake(scene: str, targets: str, frames: str | None, resume: bool, solve_only:
 
 
 def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | None, resume: bool) -> None:
-    from ..bake import job
-    from ..convert import attach, folders
-    from ..convert.bake_task import read_bake_task
-    from ..convert.mesh_arrays import read_polygons
-    from ..convert.scene import read_design
+    from ..bake.job import bake_steps, check_task
+    from ..bake.lambda_cache import solve_steps
+    from ..scene.read import folders
+    from ..scene.read.bake_task import read_bake_task
+    from ..scene.read.design import read_design
+    from ..scene.read.mesh import read_polygons
+    from ..scene.write import attach
+    from ..work import run
 
     saved = folders.shown_folders()  # what the scene on disk goes on showing, unless it is saved anew
     task = replace(read_bake_task(bpy.context, obj, Path()), targets=targets, only=only, resume=resume)
-    job.check_task(task)
+    check_task(task)
     mesh, design = read_design(bpy.context, obj)
     with progress(f"Solving '{obj.name}'") as show:
-        folder = job.run(job.solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj)), show)
-    attach.attach_lambda(obj, folder)
-    folders.delete_old_caches(folder.parent, "lambda", saved)
+        folder = run(solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj)), show)
+    attach.show_solved(obj, folder, saved)
     if not targets:
         return
     with progress(f"Baking '{obj.name}'") as show:
-        result = job.run(job.bake_steps(replace(task, cache=folder)), show)
-    if result.whole and "usd" in result.folders:
-        attach.attach_frames(obj, result.folders["usd"])
-        folders.delete_old_caches(result.folders["usd"].parent, "frames", saved)
-    if result.whole and "morse" in result.folders:
-        attach.attach_morse(obj, result.folders["morse"])
-        folders.delete_old_caches(result.folders["morse"].parent, "morse", saved)
+        result = run(bake_steps(replace(task, cache=folder)), show)
+    if result.whole:
+        attach.show_baked(obj, result.folders, saved)
     for target, written in result.folders.items():
         click.echo(f"{obj.name}\t{target}\t{written}")
     for remark in result.remarks:
@@ -71,7 +69,7 @@ def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | No
 
 
 def _targets(text: str) -> frozenset[str]:
-    from ..bake.job import TARGETS
+    from ..bake.targets import TARGETS
 
     names = [name.strip() for name in text.split(",") if name.strip()]
     unknown = [name for name in names if name not in TARGETS]

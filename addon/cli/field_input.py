@@ -21,7 +21,7 @@ class FieldInput:
 
     def __init__(self, field: str, out: str, image: str | None, **reading: Any) -> None:
         from .. import native
-        from ..analysis.image import check as check_image
+        from ..figures.image import check as check_image
         from ..readers import read_field
 
         if image is not None:

@@ -42,9 +42,8 @@ def morse(given: FieldInput, lam: float | None, **options: Any) -> None:
     """Divide the surface of FIELD into Morse sets and what flows between them."""
     from .. import native
     from ..analysis import mcg
-    from ..analysis.image import draw_morse
-    from ..analysis.steps import result_of
-    from ..bake.job import run
+    from ..figures.image import draw_morse
+    from ..work import result_of, run
 
     lam = float(given.data.lambdas[0]) if lam is None else lam
     with given.phases("read"):

@@ -21,16 +21,17 @@ from .progress import progress
 def solve(design: str, out: str, resume: bool, report: str | None) -> None:
     """Solve DESIGN over λ and write its cache."""
     from .. import native
-    from ..bake import job
+    from ..bake.lambda_cache import solve_steps
+    from ..work import run
 
     phases = Phases()
     with phases("read"):
         mesh, elements = read_design(Path(design))
     load_core()
     with phases("solve"), progress("Solving") as show:
-        folder = job.run(job.solve_steps(mesh, elements, Path(out), folder=Path(out), resume=resume), show)
+        folder = run(solve_steps(mesh, elements, Path(out), folder=Path(out), resume=resume), show)
     if report:
-        from ..bake.cache import open_cache
+        from ..cache.field_cache import open_cache
 
         surface = native.TriangleMesh(mesh.vertices, mesh.triangles)
         content = {

@@ -39,9 +39,8 @@ def track(given: FieldInput, min_life: float, min_strength: float) -> None:
     """Follow the fixed points of FIELD over λ, from their creation to their annihilation."""
     from .. import native
     from ..analysis import tracking
-    from ..analysis.image import draw_tracking
-    from ..analysis.steps import result_of
-    from ..bake.job import run
+    from ..figures.image import draw_tracking
+    from ..work import result_of, run
 
     data, mesh = given.data, given.mesh
     if len(data.lambdas) < 2:

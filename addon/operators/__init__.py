@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..session import running
 from . import (
     analyze,
     analyze_lambda,
@@ -13,7 +14,6 @@ from . import (
     morse,
     pathlines,
     presets,
-    running,
     select_entity,
     shading,
     solve,

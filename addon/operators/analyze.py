@@ -3,10 +3,10 @@
 import bpy
 
 from ..analysis.steps import ecg_steps
-from ..convert import analysis_objects
-from ..convert.current_field import read_current, why_no_field
+from ..scene.read.active_field import active_field
+from ..scene.read.current_field import read_current, why_no_field
+from ..scene.write import analysis_objects
 from .job_operator import JobOperator
-from .shared import active_field
 
 
 class AnalysisOperator(JobOperator):
@@ -58,7 +58,7 @@ class STORMFIELD_OT_forget_analysis(bpy.types.Operator):
         return made
 
     def execute(self, context):
-        from ..convert import timeline
+        from ..scene.write import timeline
 
         obj = active_field(context)
         timeline.remove_markers(obj)

@@ -3,11 +3,14 @@
 import bpy
 
 from ..analysis.steps import tracking_steps
-from ..convert import analysis_objects, attach, timeline
-from ..convert.current_field import cache_of
-from ..convert.mesh_arrays import read_mesh
+from ..scene.read.active_field import active_field
+from ..scene.read.attached import LAMBDA, attached_folder
+from ..scene.read.current_field import cache_of
+from ..scene.read.lambda_keys import is_keyed
+from ..scene.read.mesh import read_mesh
+from ..scene.write import analysis_objects, timeline
 from .analyze import AnalysisOperator
-from .shared import FieldOperator, active_field
+from .shared import FieldOperator
 
 
 class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
@@ -22,7 +25,7 @@ class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
     def why_not(cls, obj):
         if obj.mode == "EDIT":
             return "Leave Edit Mode first"
-        if attach.attached_folder(obj, attach.LAMBDA) is None:
+        if attached_folder(obj, LAMBDA) is None:
             return "Solve first: fixed points are followed through the samples of the λ cache"
         return ""
 
@@ -39,7 +42,7 @@ class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
         told = f"'{obj.name}': {len(tracking.paths)} paths, {events} bifurcations, {markers} timeline markers"
         if hidden:
             told += f"; {hidden} short-lived paths are hidden, see Filter"
-        if events and not timeline.is_keyed(obj):
+        if events and not is_keyed(obj):
             told += "; key λ to get markers"
         self.report({"INFO"}, told)
 
@@ -59,7 +62,7 @@ class STORMFIELD_OT_update_markers(FieldOperator, bpy.types.Operator):
         if not obj.stormfield.analysis.history.made:
             cls.poll_message_set("Analyze over λ first")
             return False
-        if not timeline.is_keyed(obj):
+        if not is_keyed(obj):
             cls.poll_message_set("Key λ first: keys say which frame is which λ")
             return False
         return True

@@ -4,8 +4,9 @@ VDB volumes."""
 import bpy
 
 from ..bake.job import bake_steps
-from ..convert import attach, folders
-from ..convert.bake_task import read_bake_task
+from ..scene.read.attached import LAMBDA, attached_folder
+from ..scene.read.bake_task import read_bake_task
+from ..scene.write import attach
 from . import requirements
 from .job_operator import JobOperator
 
@@ -13,7 +14,7 @@ from .job_operator import JobOperator
 def why_not(obj: bpy.types.Object) -> str:
     """Why nothing can be baked now, and the cure; empty when it can."""
     settings = obj.stormfield.bake
-    if attach.attached_folder(obj, attach.LAMBDA) is None:
+    if attached_folder(obj, LAMBDA) is None:
         return "Solve first: the bake reads the solved field"
     if not (settings.use_frames or settings.use_exr or settings.use_vdb or settings.use_morse):
         return "Switch on at least one thing to write"
@@ -32,16 +33,11 @@ class STORMFIELD_OT_bake(JobOperator, bpy.types.Operator):
     why_not = staticmethod(why_not)
 
     def start(self, context, obj):
-        return bake_steps(read_bake_task(context, obj, attach.attached_folder(obj, attach.LAMBDA)))
+        return bake_steps(read_bake_task(context, obj, attached_folder(obj, LAMBDA)))
 
     def finish(self, context, obj, result):
         attach.attach_lambda(obj, result.cache)
-        if "usd" in result.folders:
-            attach.attach_frames(obj, result.folders["usd"])
-            folders.delete_old_caches(result.folders["usd"].parent, "frames")
-        if "morse" in result.folders:
-            attach.attach_morse(obj, result.folders["morse"])
-            folders.delete_old_caches(result.folders["morse"].parent, "morse")
+        attach.show_baked(obj, result.folders)
         for remark in result.remarks:
             self.report({"WARNING"}, remark)
         written = ", ".join(str(folder) for folder in result.folders.values())

@@ -4,8 +4,9 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..properties.element import TYPES
-from .elements import add_element
-from .shared import FieldOperator, active_field
+from ..scene.read.active_field import active_field
+from ..scene.write.elements import add_element
+from .shared import FieldOperator
 
 
 class STORMFIELD_OT_draw_element(FieldOperator, bpy.types.Operator):

@@ -5,7 +5,9 @@ from bpy.props import EnumProperty
 from mathutils import Matrix
 
 from ..properties.element import KINDS, SOURCES, TYPES
-from .shared import ElementOperator, FieldOperator, active_field
+from ..scene.read.active_field import active_field
+from ..scene.write.elements import add_element, default_radius
+from .shared import ElementOperator, FieldOperator
 
 #: What artists ask for by name: element settings in one click.
 PRESETS = {
@@ -17,29 +19,6 @@ PRESETS = {
     "JET": ("Jet", "A fast stream along the curve", {"type": "streamline", "strength": 0.5}),
     "CALM": ("Calm Stream", "A slow stream along the curve", {"type": "streamline", "strength": 0.08}),
 }
-
-
-def add_element(obj: bpy.types.Object, source: bpy.types.Object | None, **settings):
-    """Append an element with a name of its own and make it active; `settings` are its properties."""
-    field = obj.stormfield
-    taken = {element.name for element in field.elements}
-    element = field.elements.add()
-    base = settings.pop("name", None) or (source.name if source else "Element")
-    number = 1
-    while (name := base if number == 1 else f"{base}.{number:03d}") in taken:
-        number += 1
-    element.name, element.source = name, source
-    element.radius = settings.pop("radius", default_radius(obj))
-    for key, value in settings.items():
-        setattr(element, key, value)
-    field.active_element = len(field.elements) - 1
-    return element
-
-
-def default_radius(obj: bpy.types.Object) -> float:
-    """A part of the object's diagonal, in mesh units: visible at once, small against the object."""
-    corners = obj.bound_box
-    return max(1e-4, sum((a - b) ** 2 for a, b in zip(corners[0], corners[6], strict=True)) ** 0.5 / 20.0)
 
 
 def is_animated(obj: bpy.types.Object) -> bool:

@@ -4,8 +4,10 @@ import bpy
 from bpy.props import BoolProperty
 
 from .. import compat
-from ..convert import analysis_objects, attach, timeline
-from .shared import FieldOperator, active_field
+from ..scene.read.active_field import active_field
+from ..scene.write import analysis_objects, attach, timeline
+from ..scene.write.lambda_keys import key_lambda_over_scene
+from .shared import FieldOperator
 
 
 class STORMFIELD_OT_add_field(bpy.types.Operator):
@@ -38,7 +40,7 @@ class STORMFIELD_OT_add_field(bpy.types.Operator):
         obj = context.object
         obj.stormfield.enabled = True
         if self.key_lambda and compat.find_fcurve(obj, "stormfield.lam") is None:
-            key_lambda(context.scene, obj)
+            key_lambda_over_scene(context.scene, obj)
         self.report({"INFO"}, f"'{obj.name}' has a field now; add elements that say where it flows")
         return {"FINISHED"}
 
@@ -71,24 +73,8 @@ class STORMFIELD_OT_key_lambda(FieldOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        key_lambda(context.scene, active_field(context))
+        key_lambda_over_scene(context.scene, active_field(context))
         return {"FINISHED"}
-
-
-def key_lambda(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
-    """Two linear keys. Earlier keys of λ are removed."""
-    old = compat.find_fcurve(obj, "stormfield.lam")
-    if old is not None:
-        compat.remove_fcurve(obj, old)
-    field = obj.stormfield
-    for frame, value in ((scene.frame_end, 1.0), (scene.frame_start, 0.0)):
-        field.lam = value
-        field.keyframe_insert("lam", frame=frame)
-    curve = compat.find_fcurve(obj, "stormfield.lam")
-    for key in curve.keyframe_points:
-        key.interpolation = "LINEAR"
-    curve.update()
-    field.lam = min(1.0, max(0.0, curve.evaluate(scene.frame_current)))
 
 
 CLASSES = (STORMFIELD_OT_add_field, STORMFIELD_OT_remove_field, STORMFIELD_OT_key_lambda)

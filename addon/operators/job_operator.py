@@ -16,9 +16,10 @@ import time
 
 import bpy
 
-from ..bake.job import Stop
-from . import running
-from .shared import FieldOperator, active_field, redraw_sidebars, report_fault
+from ..scene.read.active_field import active_field
+from ..session import running
+from ..work import Stop
+from .shared import FieldOperator, redraw_sidebars, report_fault
 
 #: Seconds of work between two looks at the keyboard, and between two timer events.
 SLICE = 0.04

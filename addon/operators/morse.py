@@ -3,10 +3,10 @@
 import bpy
 
 from ..analysis.steps import MorseSets, morse_steps, refine_set_steps
-from ..convert import analysis_objects
-from ..convert.bake_task import read_morse_settings
-from ..convert.current_field import read_current
-from . import morse_state
+from ..scene.read.bake_task import read_morse_settings
+from ..scene.read.current_field import read_current
+from ..scene.write import analysis_objects
+from ..session import morse_state
 from .analyze import AnalysisOperator
 
 

@@ -6,12 +6,13 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ..analysis.flow_curves import BY_FRAME, Settings, flow_curve_steps
 from ..analysis.seeds import even_seeds, vertex_seeds
-from ..convert import attach, growth
-from ..convert.current_field import cache_of, read_current
-from ..convert.curve_objects import make_curves
-from ..convert.mesh_arrays import read_mesh
-from ..convert.scene import lambda_at_frames
 from ..model.errors import InputError
+from ..scene.nodes import growth
+from ..scene.read.attached import LAMBDA, attached_folder
+from ..scene.read.current_field import cache_of, read_current
+from ..scene.read.lambda_keys import lambda_at_frames
+from ..scene.read.mesh import read_mesh
+from ..scene.write.curve_objects import make_curves
 from ..shading.flow_lines import flow_lines
 from .analyze import AnalysisOperator
 
@@ -113,7 +114,7 @@ class STORMFIELD_OT_pathlines(AnalysisOperator, bpy.types.Operator):
             radius=self.radius,
         )
         self._frames = frames[0], frames[-1]
-        if attach.attached_folder(obj, attach.LAMBDA) is not None:
+        if attached_folder(obj, LAMBDA) is not None:
             mesh, attribute = read_mesh(obj), obj.stormfield.look.shown_field
             cache = cache_of(obj, mesh)
             lambdas = cache.lambdas

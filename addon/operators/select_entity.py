@@ -4,9 +4,12 @@ import bpy
 from bpy.props import EnumProperty, IntProperty
 from mathutils import Vector
 
-from ..convert import selection, timeline
 from ..properties.analysis import LISTS
-from .shared import FieldOperator, active_field
+from ..scene.read.active_field import active_field
+from ..scene.read.lambda_keys import is_keyed, passages
+from ..scene.read.results import EVENT_KINDS
+from ..scene.write import selection
+from .shared import FieldOperator
 
 
 class STORMFIELD_OT_select_entity(FieldOperator, bpy.types.Operator):
@@ -61,14 +64,14 @@ class STORMFIELD_OT_go_to_entity(FieldOperator, bpy.types.Operator):
     def _frame(self, context, obj, analysis, item) -> int | None:
         """The nearest frame where λ is right; None to stay."""
         if analysis.shown == "history":
-            lam = item.lam if item.kind in timeline.EVENTS else 0.5 * (item.lam_start + item.lam_end)
-            if item.kind not in timeline.EVENTS and item.lam_start <= obj.stormfield.lam <= item.lam_end:
+            lam = item.lam if item.kind in EVENT_KINDS else 0.5 * (item.lam_start + item.lam_end)
+            if item.kind not in EVENT_KINDS and item.lam_start <= obj.stormfield.lam <= item.lam_end:
                 return None
         else:
             lam = analysis.list(analysis.shown).lam
-        places = timeline.passages(obj, [lam])[0]
+        places = passages(obj, [lam])[0]
         if not places:
-            if not timeline.is_keyed(obj):
+            if not is_keyed(obj):
                 obj.stormfield.lam = lam
             return None
         return min((frame for frame, _forward in places), key=lambda frame: abs(frame - context.scene.frame_current))

@@ -4,7 +4,8 @@ import bpy
 from bpy.props import EnumProperty
 
 from .. import shading
-from .shared import FieldOperator, active_field, report_fault
+from ..scene.read.active_field import active_field
+from .shared import FieldOperator, report_fault
 
 ITEMS = tuple((name, label, f"{label}, procedural") for name, (label, _builder) in shading.MATERIALS.items())
 

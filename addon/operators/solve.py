@@ -2,11 +2,13 @@
 
 import bpy
 
-from ..bake.job import solve_steps
-from ..convert import attach, folders
-from ..convert.mesh_arrays import read_polygons
-from ..convert.scene import read_design
-from . import requirements, solver_memory
+from ..bake.lambda_cache import solve_steps
+from ..scene.read import folders
+from ..scene.read.design import read_design
+from ..scene.read.mesh import read_polygons
+from ..scene.write import attach
+from ..session import solver_state
+from . import requirements
 from .job_operator import JobOperator
 
 
@@ -28,12 +30,11 @@ class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
 
     def start(self, context, obj):
         mesh, design = read_design(context, obj)
-        memory = solver_memory.of(obj) if obj.stormfield.solve.keep_solver else None
-        return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj), memory=memory)
+        state = solver_state.of(obj) if obj.stormfield.solve.keep_solver else None
+        return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj), state=state)
 
     def finish(self, context, obj, folder):
-        attach.attach_lambda(obj, folder)
-        folders.delete_old_caches(folder.parent, "lambda")
+        attach.show_solved(obj, folder)
         self.report({"INFO"}, f"'{obj.name}' is solved; move λ or scrub the timeline to see it")
 
 

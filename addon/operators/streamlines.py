@@ -4,8 +4,8 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty
 
 from ..analysis.streamlines import Settings, streamline_steps
-from ..convert.current_field import read_current
-from ..convert.curve_objects import make_curves
+from ..scene.read.current_field import read_current
+from ..scene.write.curve_objects import make_curves
 from ..shading.flow_lines import flow_lines
 from .analyze import AnalysisOperator
 

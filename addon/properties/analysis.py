@@ -40,13 +40,13 @@ def category(kind: str) -> str:
 
 
 def _selected(self, _context) -> None:
-    from ..convert import selection
+    from ..scene.write import selection
 
     selection.list_changed(self.id_data, self.path_from_id().rsplit(".", 1)[1])
 
 
 def _filtered(self, _context) -> None:
-    from ..convert import timeline
+    from ..scene.write import timeline
 
     if self.path_from_id().endswith("history"):
         timeline.update_markers(self.id_data)

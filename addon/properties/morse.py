@@ -16,7 +16,7 @@ METHODS = (
 
 
 def _preview(self, _context) -> None:
-    from ..operators import morse_preview
+    from ..session import morse_preview
 
     if self.live:
         morse_preview.request(self.id_data)
@@ -25,7 +25,7 @@ def _preview(self, _context) -> None:
 
 
 def _simplify(self, _context) -> None:
-    from ..operators import morse_state
+    from ..session import morse_state
 
     morse_state.simplify_later(self.id_data)
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bake.cache import open_cache
+from ..cache.field_cache import open_cache
 from ..model.errors import InputError
 from .field_data import FieldData
 

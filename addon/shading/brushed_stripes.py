@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import bpy
 
+from ..scene.nodes.tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs, srgb
 from .groups import advected_coordinates, flow_noise
-from .tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs, srgb
 
 GROUP = "Stormfield Stripes"
 

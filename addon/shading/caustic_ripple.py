@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import bpy
 
+from ..scene.nodes.tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs
 from .groups import flow_noise
-from .tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs
 
 GROUP = "Stormfield Caustics"
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import bpy
 
-from .tree import new_material, srgb
+from ..scene.nodes.tree import new_material, srgb
 
 NAME = "Flow Lines"
 PALE = "#f2ead8"

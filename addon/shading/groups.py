@@ -13,7 +13,7 @@ which keeps the variance the same at every moment.
 
 from __future__ import annotations
 
-from .tree import Socket, Tree, add_input, group_inputs, node_group, set_outputs
+from ..scene.nodes.tree import Socket, Tree, add_input, group_inputs, node_group, set_outputs
 
 COORDINATES = "Stormfield Advected Coordinates"
 FLOW_NOISE = "Stormfield Flow Noise"

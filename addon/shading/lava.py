@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import bpy
 
+from ..scene.nodes.tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs
 from .groups import flow_noise
-from .tree import Tree, add_input, group_inputs, new_material, node_group, set_outputs
 
 GROUP = "Stormfield Lava"
 GLOW = ((0.0, "#000000"), (0.25, "#3a0500"), (0.5, "#b01e00"), (0.75, "#ff5a08"), (1.0, "#ffb040"))

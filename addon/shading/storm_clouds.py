@@ -11,8 +11,17 @@ from __future__ import annotations
 
 import bpy
 
+from ..scene.nodes.tree import (
+    Tree,
+    add_input,
+    add_vector_input,
+    group_inputs,
+    new_material,
+    node_group,
+    set_outputs,
+    srgb,
+)
 from .groups import advected_coordinates, phase_blend
-from .tree import Tree, add_input, add_vector_input, group_inputs, new_material, node_group, set_outputs, srgb
 
 GROUP, LAYER = "Storm Clouds", "Storm Clouds Layer"
 BANDS = (

@@ -10,15 +10,14 @@ from dataclasses import dataclass, field
 import bpy
 import numpy as np
 
-from ..analysis.entities import KIND_COLOURS
-from ..convert import analysis_objects as objects
-from ..convert import morse_faces
-from ..operators import morse_preview
+from ..analysis.colours import KIND_COLOURS
+from ..scene.read import morse_faces, results
+from ..session import morse_preview
 from . import drawing_cache
 from .field_drawing import LIFT, Surface, lifted
 
 #: Widths of lines, in parts of the artist's line width.
-WIDTHS = {objects.SEPARATRICES: 1.0, objects.ORBITS: 1.7, objects.PATHS: 1.8}
+WIDTHS = {results.SEPARATRICES: 1.0, results.ORBITS: 1.7, results.PATHS: 1.8}
 #: λ nearer than this is the λ that was analyzed.
 SAME_LAM = 5e-4
 
@@ -138,16 +137,16 @@ def _make(evaluated, surface: Surface, mesh) -> AnalysisDrawing:
         for which, kept in shown.items()
     }
     for role, which, names in (
-        (objects.SEPARATRICES, "ecg", ("source", "target")),
-        (objects.ORBITS, "ecg", ("entity", "entity")),
-        (objects.PATHS, "history", ("entity", "entity")),
+        (results.SEPARATRICES, "ecg", ("source", "target")),
+        (results.ORBITS, "ecg", ("entity", "entity")),
+        (results.PATHS, "history", ("entity", "entity")),
     ):
         lines = _lines(obj, role, names, shown[which], surface, mesh)
         if lines is not None:
             drawing.lines[role] = lines
     drawing.paths = _ways(obj, analysis.history, shown["history"], surface, mesh)
     drawing.entities = _marks("ecg", analysis.ecg, shown["ecg"], surface, mesh)
-    events = [i for i in np.flatnonzero(shown["history"]) if analysis.history.items[i].kind in objects.EVENT_KINDS]
+    events = [i for i in np.flatnonzero(shown["history"]) if analysis.history.items[i].kind in results.EVENT_KINDS]
     drawing.marks = _marks("history", analysis.history, _only(shown["history"], events), surface, mesh)
     drawing.marks += _marks("mcg", analysis.mcg, shown["mcg"], surface, mesh)
     drawing.faces = _faces(evaluated, surface, analysis.mcg, shown["mcg"])
@@ -165,17 +164,17 @@ def _only(shown: np.ndarray, indices) -> np.ndarray:
 
 
 def _lines(obj, role: str, names, shown: np.ndarray, surface: Surface, mesh) -> Lines | None:
-    curves = objects.read_curves(obj, role)
+    curves = results.read_curves(obj, role)
     if not curves or not len(shown):
         return None
-    owners = np.stack([objects.read_attribute(obj, role, name) for name in names], axis=1)
-    colours = np.split(objects.read_attribute(obj, role, "colour"), np.cumsum([len(c) for c in curves])[:-1])
+    owners = np.stack([results.read_attribute(obj, role, name) for name in names], axis=1)
+    colours = np.split(results.read_attribute(obj, role, "colour"), np.cumsum([len(c) for c in curves])[:-1])
     raised = np.split(lift(np.concatenate(curves), surface, mesh)[0], np.cumsum([len(c) for c in curves])[:-1])
     ends, tints, whose = [], [], []
     for points, tint, owner in zip(raised, colours, owners, strict=True):
         if not shown[owner[0]] or not shown[owner[1]]:
             continue
-        if role == objects.ORBITS:
+        if role == results.ORBITS:
             points, tint = np.r_[points, points[:1]], np.r_[tint, tint[:1]]
         ends.append(np.stack([points[:-1], points[1:]], axis=1))
         tints.append(np.stack([tint[:-1], tint[1:]], axis=1))
@@ -186,13 +185,13 @@ def _lines(obj, role: str, names, shown: np.ndarray, surface: Surface, mesh) -> 
 
 
 def _ways(obj, entities, shown: np.ndarray, surface: Surface, mesh) -> list[Way]:
-    curves = objects.read_curves(obj, objects.PATHS)
+    curves = results.read_curves(obj, results.PATHS)
     if not curves or not len(shown):
         return []
     cuts = np.cumsum([len(curve) for curve in curves])[:-1]
-    lam = np.split(objects.read_attribute(obj, objects.PATHS, "lam"), cuts)
+    lam = np.split(results.read_attribute(obj, results.PATHS, "lam"), cuts)
     raised = np.split(lift(np.concatenate(curves), surface, mesh)[0], cuts)
-    owners = objects.read_attribute(obj, objects.PATHS, "entity").tolist()
+    owners = results.read_attribute(obj, results.PATHS, "entity").tolist()
     items = entities.items
     return [
         Way(index, items[index].name, items[index].kind, times, points)
@@ -210,7 +209,7 @@ def _marks(which: str, entities, shown: np.ndarray, surface: Surface, mesh) -> l
     marks = []
     for i, place, normal in zip(chosen.tolist(), raised, normals, strict=True):
         item = entities.items[i]
-        lam = item.lam if item.kind in objects.EVENT_KINDS else None
+        lam = item.lam if item.kind in results.EVENT_KINDS else None
         marks.append(Mark(which, i, item.kind, item.name, place, normal, lam))
     return marks
 

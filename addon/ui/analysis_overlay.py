@@ -10,8 +10,9 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import compat
-from ..convert import analysis_objects as objects
-from ..operators import morse_preview
+from ..analysis.colours import lam_colours
+from ..scene.read import results
+from ..session import morse_preview
 from . import analysis_drawing, drawing_cache, legend, marker_drawing, markers
 from .marker_drawing import Marker
 
@@ -36,7 +37,7 @@ def draw(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types
         _draw_halo(context, obj, drawing, unit)
         for role, lines in drawing.lines.items():
             if _role_shown(analysis, role):
-                strength = 1.0 if current or role == objects.PATHS else STALE
+                strength = 1.0 if current or role == results.PATHS else STALE
                 width = analysis.width * analysis_drawing.WIDTHS[role] * unit
                 _draw_lines(context, lines, width, strength)
     marks = _marks(obj, drawing)
@@ -49,9 +50,9 @@ def _mcg_strength(obj) -> float:
 
 def _role_shown(analysis, role: str) -> bool:
     return {
-        objects.SEPARATRICES: analysis.show_separatrices,
-        objects.ORBITS: analysis.show_orbits,
-        objects.PATHS: analysis.show_paths,
+        results.SEPARATRICES: analysis.show_separatrices,
+        results.ORBITS: analysis.show_orbits,
+        results.PATHS: analysis.show_paths,
     }[role]
 
 
@@ -75,7 +76,7 @@ def _draw_halo(context, obj, drawing, unit: float) -> None:
         faces = drawing.faces
         ends.append(faces.border[(faces.border_sets == index).any(axis=1)])
     for role, lines in drawing.lines.items():
-        which = "history" if role == objects.PATHS else "ecg"
+        which = "history" if role == results.PATHS else "ecg"
         if which == analysis.shown and _role_shown(analysis, role):
             ends.append(lines.of(index))
     shown = np.concatenate(ends) if ends else np.zeros((0, 2, 3))
@@ -203,7 +204,7 @@ def legend_blocks(obj: bpy.types.Object, evaluated: bpy.types.Object) -> list[le
     if analysis.history.made and analysis.show_paths:
         events = {kind: drawing.counts["history"][kind] for kind in markers.EVENTS}
         paths = drawing.counts["history"].total() - sum(events.values())
-        ramp = objects.lam_colours(np.linspace(0.0, 1.0, 13))
+        ramp = lam_colours(np.linspace(0.0, 1.0, 13))
         blocks.append(legend.Block(f"Over λ: {paths} paths", _rows(events), ramp))
     preview = morse_preview.of(obj)
     if preview is not None and analysis.show_sets:

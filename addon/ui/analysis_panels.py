@@ -2,13 +2,13 @@
 
 import bpy
 
-from ..convert import entity_nodes
 from ..operators.analyze import STORMFIELD_OT_analyze
 from ..operators.analyze_lambda import STORMFIELD_OT_analyze_lambda
 from ..operators.pathlines import STORMFIELD_OT_pathlines
-from ..operators.shared import active_field
 from ..operators.streamlines import STORMFIELD_OT_streamlines
 from ..properties.analysis import CATEGORIES
+from ..scene.nodes import entity_nodes
+from ..scene.read.active_field import active_field
 from . import graph_editor, icons, markers
 from .panels import FieldPanel, draw_progress, hint, text_lines
 

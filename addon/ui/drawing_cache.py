@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 
 from .. import native
-from ..convert.mesh_arrays import loop_triangles
-from ..operators import morse_state
+from ..scene.read.mesh import loop_triangles
+from ..session import morse_state
 from . import field_drawing
 from .field_drawing import Surface
 

@@ -20,9 +20,10 @@ from bpy.props import (
 from gpu_extras.batch import batch_for_shader
 
 from .. import compat
-from ..analysis.entities import KIND_COLOURS
-from ..convert import entity_nodes, selection
-from ..operators.shared import active_field
+from ..analysis.colours import KIND_COLOURS
+from ..scene.nodes import entity_nodes
+from ..scene.read.active_field import active_field
+from ..scene.write import selection
 from . import icons
 
 #: Height of a node that is folded into a pill, in its tree's units.

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..analysis.entities import KIND_COLOURS
+from ..analysis.colours import KIND_COLOURS
 
 #: kind -> its name in legends.
 NAMES = {

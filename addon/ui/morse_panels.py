@@ -2,9 +2,9 @@
 
 import bpy
 
-from ..operators import morse_state
 from ..operators.morse import STORMFIELD_OT_morse_sets
-from ..operators.shared import active_field
+from ..scene.read.active_field import active_field
+from ..session import morse_state
 from . import drawing_cache
 from .panels import FieldPanel, hint, job_button, text_lines
 

@@ -9,7 +9,7 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import compat
-from ..operators.shared import active_field
+from ..scene.read.active_field import active_field
 from . import analysis_overlay, drawing_cache, legend, marker_drawing, markers
 from .marker_drawing import Marker
 

@@ -3,9 +3,11 @@
 import bpy
 from bl_ui.utils import PresetPanel
 
-from ..convert import attach
-from ..operators import bake, requirements, running, solve
-from ..operators.shared import active_field
+from ..cache.layout import STAGE
+from ..operators import bake, requirements, solve
+from ..scene.read.active_field import active_field
+from ..scene.read.attached import FRAMES, LAMBDA, attached_folder
+from ..session import running
 
 
 class _Panel:
@@ -133,8 +135,8 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         column.prop(settings, "samples")
         column.prop(settings, "tolerance")
         column.prop(settings, "keep_solver")
-        folder = attach.attached_folder(obj, attach.LAMBDA)
-        if folder is not None and not (folder / attach.STAGE).exists():
+        folder = attached_folder(obj, LAMBDA)
+        if folder is not None and not (folder / STAGE).exists():
             text_lines(context, layout, f"The λ cache is missing: {folder}. Solve again", icon="ERROR")
 
 
@@ -183,7 +185,7 @@ class STORMFIELD_PT_shading(FieldPanel, bpy.types.Panel):
         layout.operator_menu_enum("stormfield.apply_material", "material", icon="MATERIAL")
         if material is not None:
             layout.label(text=material.name, icon="MATERIAL_DATA")
-        if attach.FRAMES not in obj.modifiers:
+        if FRAMES not in obj.modifiers:
             text_lines(context, layout, "Bake the flowing texture to see these materials move", icon="INFO")
 
 

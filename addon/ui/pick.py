@@ -10,8 +10,8 @@ import numpy as np
 from bpy_extras import view3d_utils
 from mathutils import Vector
 
-from ..convert import analysis_objects as objects
-from ..operators.shared import active_field
+from ..scene.read import results
+from ..scene.read.active_field import active_field
 from . import analysis_drawing, analysis_overlay, marker_drawing
 
 #: How near the pointer must be to a marker and to a line (pixels at 100 % interface scale).
@@ -50,8 +50,8 @@ def entity_at(context: bpy.types.Context, obj, evaluated, pointer) -> tuple[str,
 def _lines_to_hit(obj):
     analysis = obj.stormfield.analysis
     current = analysis_drawing.is_current(obj, analysis.ecg)
-    yield objects.ORBITS, "ecg", analysis.show_orbits and current
-    yield objects.PATHS, "history", analysis.show_paths
+    yield results.ORBITS, "ecg", analysis.show_orbits and current
+    yield results.PATHS, "history", analysis.show_paths
 
 
 def _distance_to_lines(context, matrix, ends: np.ndarray, pointer: np.ndarray):

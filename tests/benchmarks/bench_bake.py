@@ -19,10 +19,12 @@ except ImportError:
 
 import numpy as np
 import pytest
-from stormfield.bake.cache import FieldCacheWriter, open_cache
-from stormfield.bake.store import _sync
-from stormfield.bake.usd import PRIM, Polygons, usd
+from stormfield.cache.field_cache import FieldCacheWriter, open_cache
+from stormfield.cache.layout import PRIM
+from stormfield.cache.store import _sync
+from stormfield.cache.usd import usd
 from stormfield.model.mesh_data import MeshData
+from stormfield.model.polygons import Polygons
 
 VERTICES, SAMPLES = 100_000, 40
 

@@ -68,7 +68,7 @@ def put_field():
 @pytest.fixture
 def storms(ball, add_curve):
     """The ball with two vortices at the poles' sides and a stream between: a design that solves fast."""
-    from stormfield.operators.elements import add_element
+    from stormfield.scene.write.elements import add_element
 
     for name, x in (("West", -1.0), ("East", 1.0)):
         empty = bpy.data.objects.new(name, None)
@@ -122,7 +122,8 @@ def attribute():
 @pytest.fixture(autouse=True)
 def own_temporary_folder(empty_file, tmp_path, monkeypatch):
     """Caches of unsaved files go to a folder of the test."""
-    from stormfield.convert import folders, relocate
+    from stormfield.scene.read import folders
+    from stormfield.scene.write import cache_folders
 
-    for module in (folders, relocate):
+    for module in (folders, cache_folders):
         monkeypatch.setattr(module, "temporary_root", lambda: tmp_path / "temporary" / folders.NAME)

@@ -62,7 +62,7 @@ def tracking():
 
 @pytest.fixture
 def show(ball, scene, entities):
-    from stormfield.convert import analysis_objects
+    from stormfield.scene.write import analysis_objects
 
     def work(graph=None):
         analysis_objects.show_ecg(scene, ball, graph or entities(), "sf_advection")
@@ -129,7 +129,7 @@ def test_filters(show):
 
 
 def test_the_graph_has_three_rows_and_the_overlays_colours(show):
-    from stormfield.analysis.entities import KIND_COLOURS
+    from stormfield.analysis.colours import KIND_COLOURS
 
     tree = show().ecg_tree
     assert tree.bl_idname == "StormfieldGraph"
@@ -157,7 +157,7 @@ def test_links_are_drawn_from_row_to_row(show):
 
 
 def test_selection_goes_from_list_to_graph_and_back(ball, show):
-    from stormfield.convert import selection
+    from stormfield.scene.write import selection
 
     analysis = show()
     tree = analysis.ecg_tree
@@ -174,7 +174,7 @@ def test_selection_goes_from_list_to_graph_and_back(ball, show):
 
 
 def test_paths_over_lambda(ball, scene, tracking):
-    from stormfield.convert import analysis_objects
+    from stormfield.scene.write import analysis_objects
 
     analysis_objects.show_tracking(scene, ball, tracking, "sf_advection")
     analysis = ball.stormfield.analysis
@@ -195,7 +195,7 @@ def test_paths_over_lambda(ball, scene, tracking):
 
 @pytest.fixture
 def markers(ball, scene, tracking):
-    from stormfield.convert import analysis_objects, timeline
+    from stormfield.scene.write import analysis_objects, timeline
 
     scene.frame_start, scene.frame_end = 1, 101
     bpy.ops.stormfield.key_lambda()
@@ -255,22 +255,23 @@ def test_without_keys_there_are_no_markers(ball, markers):
 
 
 def test_results_stay_with_the_file(ball, show, tmp_path):
+    from stormfield.scene.read import results
+
     show()
     path = str(tmp_path / "a.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.wm.open_mainfile(filepath=path)
-    from stormfield.convert import analysis_objects
 
     ball = bpy.data.objects["Ball"]
     analysis = ball.stormfield.analysis
     assert len(analysis.ecg.items) == 4 and len(analysis.ecg_tree.nodes) == 4
-    lines = analysis_objects.read_curves(ball, analysis_objects.SEPARATRICES)
+    lines = results.read_curves(ball, results.SEPARATRICES)
     assert [len(line) for line in lines] == [5, 5, 5]
 
 
 def test_forgetting_leaves_nothing(ball, show):
-    from stormfield.convert import analysis_objects
+    from stormfield.scene.write import analysis_objects
 
     show()
     analysis_objects.forget(ball)
@@ -280,7 +281,7 @@ def test_forgetting_leaves_nothing(ball, show):
 
 
 def test_a_copy_of_the_object_gets_an_analysis_of_its_own(ball, show, scene, entities):
-    from stormfield.convert import analysis_objects
+    from stormfield.scene.write import analysis_objects
 
     show()
     copy = ball.copy()
@@ -296,7 +297,7 @@ def test_very_many_paths_are_filtered_by_their_life(ball, scene, tracking):
     from dataclasses import replace
 
     from stormfield.analysis.tracking import Tracking
-    from stormfield.convert import analysis_objects
+    from stormfield.scene.write import analysis_objects
 
     long, short = tracking.paths[0], tracking.paths[3]
     paths = tuple(replace(long if i % 3 == 0 else short, id=i) for i in range(500))

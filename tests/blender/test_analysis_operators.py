@@ -122,7 +122,7 @@ def test_the_slider_simplifies_by_persistence(rings):
 
 
 def test_the_preview_writes_nothing(dipole):
-    from stormfield.operators import morse_preview
+    from stormfield.session import morse_preview
 
     dipole.stormfield.morse.live = True
     preview = morse_preview.of(dipole)
@@ -147,7 +147,7 @@ def test_analyze_over_lambda(storms):
 
 def test_going_to_a_bifurcation_goes_to_its_frame(ball, scene):
     from stormfield.analysis.tracking import Bifurcation, Tracking
-    from stormfield.convert import analysis_objects
+    from stormfield.scene.write import analysis_objects
 
     scene.frame_start, scene.frame_end = 1, 101
     bpy.ops.stormfield.key_lambda()
@@ -197,7 +197,7 @@ def looking(monkeypatch):
 
 def test_a_click_hits_the_nearest_entity_in_front(rings, looking):
     from stormfield.analysis.tracking import Bifurcation, Tracking
-    from stormfield.convert import analysis_objects
+    from stormfield.scene.write import analysis_objects
     from stormfield.ui import pick
 
     places = ((0.0, -1.0, 0.0), (0.08, -0.997, 0.0), (0.5, 0.866, 0.0))  # the last on the far side
@@ -239,7 +239,7 @@ def test_refinement(rings, method):
 
 
 def test_what_is_refined_holds_within_the_error_and_can_be_simplified(rings):
-    from stormfield.operators import morse_state
+    from stormfield.session import morse_state
 
     morse = rings.stormfield.morse
     morse.eps = 1.0

@@ -93,7 +93,7 @@ def test_refining_one_set(ball, put_field):
 def keyed_annihilation(ball, scene):
     """A bifurcation at λ = 0.42, selected; λ runs from 0 to 1 over 101 frames, the scene stands at the first."""
     from stormfield.analysis.tracking import Bifurcation, Tracking
-    from stormfield.convert import analysis_objects
+    from stormfield.scene.write import analysis_objects
 
     scene.frame_start, scene.frame_end = 1, 101
     bpy.ops.stormfield.key_lambda()

@@ -7,12 +7,12 @@ import bpy
 import numpy as np
 import pytest
 
-convert_scene = pytest.importorskip("stormfield.convert.scene")
+convert_scene = pytest.importorskip("stormfield.scene.read.design")
 
 
 @pytest.fixture
 def read(scene):
-    from stormfield.convert.scene import read_design
+    from stormfield.scene.read.design import read_design
 
     return lambda obj: read_design(bpy.context, obj)
 
@@ -25,7 +25,7 @@ def fault():
 
 
 def add(obj, source, **settings):
-    from stormfield.operators.elements import add_element
+    from stormfield.scene.write.elements import add_element
 
     return add_element(obj, source, **settings)
 

@@ -3,7 +3,8 @@
 import bpy
 import numpy as np
 import pytest
-from stormfield.convert.curve_objects import find_curves, make_curves, remove_curves, results_collection
+from stormfield.scene.read.results import find_curves
+from stormfield.scene.write.curve_objects import make_curves, remove_curves, results_collection
 
 LINES = [np.arange(9.0).reshape(3, 3), np.arange(12.0).reshape(4, 3) + 1.0]
 

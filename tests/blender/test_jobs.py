@@ -9,8 +9,9 @@ import pytest
 @pytest.fixture
 def runner(ball):
     """The modal operator's own code, on a stand-in that needs no window."""
-    from stormfield.bake.job import Step
-    from stormfield.operators import job_operator, running
+    from stormfield.operators import job_operator
+    from stormfield.session import running
+    from stormfield.work import Step
 
     class Runner(job_operator.JobOperator):
         job_title = "Working"
@@ -41,7 +42,7 @@ TIMER, ESC = SimpleNamespace(type="TIMER", value="NOTHING"), SimpleNamespace(typ
 
 
 def test_work_is_done_in_slices_and_given_to_finish(runner):
-    from stormfield.operators import running
+    from stormfield.session import running
 
     work, step = runner
 
@@ -60,8 +61,8 @@ def test_work_is_done_in_slices_and_given_to_finish(runner):
 
 @pytest.mark.parametrize("how", ["key", "panel"])
 def test_work_that_keeps_what_it_has_ends_early(runner, how):
-    from stormfield.bake.job import Stop
-    from stormfield.operators import running
+    from stormfield.session import running
+    from stormfield.work import Stop
 
     work, step = runner
     work.keeps_when_stopped = True
@@ -107,7 +108,7 @@ def test_work_that_keeps_what_it_has_ends_early(runner, how):
 
 @pytest.mark.parametrize("how", ["key", "panel"])
 def test_escape_closes_the_work_at_once(runner, how):
-    from stormfield.operators import running
+    from stormfield.session import running
 
     work, step = runner
     closed = []
@@ -130,7 +131,7 @@ def test_escape_closes_the_work_at_once(runner, how):
 
 def test_a_fault_is_told_and_nothing_stays_behind(runner):
     from stormfield.model.errors import InputError
-    from stormfield.operators import running
+    from stormfield.session import running
 
     work, step = runner
 
@@ -146,7 +147,7 @@ def test_a_fault_is_told_and_nothing_stays_behind(runner):
 
 
 def test_our_own_mistakes_are_not_swallowed(runner):
-    from stormfield.operators import running
+    from stormfield.session import running
 
     work, _step = runner
 

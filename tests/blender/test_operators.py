@@ -107,7 +107,7 @@ def test_drawing_uses_blenders_own_tool_on_the_surface(ball):
 
 
 def test_a_curve_that_is_drawn_shows_its_field(ball, add_curve):
-    from stormfield.operators.shared import active_field
+    from stormfield.scene.read.active_field import active_field
 
     bpy.ops.mesh.primitive_cube_add()
     bpy.ops.stormfield.add_field()
@@ -169,17 +169,17 @@ def test_the_field_follows_lambda_without_a_new_solve(storms, native, attribute)
 
 
 def test_the_same_design_finds_its_cache_again(storms, native):
-    from stormfield.convert import attach
+    from stormfield.scene.read.attached import LAMBDA, attached_folder
 
     bpy.ops.stormfield.solve()
-    folder = attach.attached_folder(storms, attach.LAMBDA)
+    folder = attached_folder(storms, LAMBDA)
     stamp = (folder / "manifest.json").stat().st_mtime_ns
     bpy.ops.stormfield.solve()
-    assert attach.attached_folder(storms, attach.LAMBDA) == folder
+    assert attached_folder(storms, LAMBDA) == folder
     assert (folder / "manifest.json").stat().st_mtime_ns == stamp
     storms.stormfield.elements[0].radius = 0.5
     bpy.ops.stormfield.solve()
-    assert attach.attached_folder(storms, attach.LAMBDA) != folder and (folder / "manifest.json").exists()
+    assert attached_folder(storms, LAMBDA) != folder and (folder / "manifest.json").exists()
     assert len(storms.modifiers) == 1
 
 
@@ -206,7 +206,7 @@ def test_a_fault_of_the_design_is_told_and_changes_nothing(storms, native):
     with pytest.raises(RuntimeError, match="West"):
         bpy.ops.stormfield.solve()
     assert not storms.modifiers
-    from stormfield.operators import running
+    from stormfield.session import running
 
     assert running.current() is None
 
@@ -253,7 +253,7 @@ def test_geometry_nodes_and_other_modifiers_read_the_same_data(storms, native):
 
 
 def test_bake_writes_frames_and_attaches_them(storms, native, attribute):
-    pytest.importorskip("stormfield.bake.frames")
+    pytest.importorskip("stormfield.bake.targets.frames")
     bpy.ops.stormfield.solve()
     settings = storms.stormfield.bake
     settings.use_scene_frames, settings.frame_start, settings.frame_end, settings.period = False, 1, 4, 4
@@ -326,13 +326,14 @@ def test_presets_of_the_addon_set_the_settings(ball):
 
 
 def test_old_caches_are_deleted_but_never_the_one_that_is_shown(storms, native):
-    from stormfield.convert import attach, folders
+    from stormfield.scene.read.attached import LAMBDA, attached_folder
+    from stormfield.scene.write import cache_folders
 
     shown = []
-    for number in range(folders.KEPT + 3):
+    for number in range(cache_folders.KEPT + 3):
         storms.stormfield.elements[0].radius = 0.3 + 0.02 * number
         bpy.ops.stormfield.solve()
-        shown.append(attach.attached_folder(storms, attach.LAMBDA))
+        shown.append(attached_folder(storms, LAMBDA))
     assert shown[-1].is_dir()
     kept = {path for path in shown[-1].parent.iterdir() if path.name.startswith("lambda-")}
-    assert kept == set(shown[-1 - folders.KEPT :])
+    assert kept == set(shown[-1 - cache_folders.KEPT :])

@@ -9,7 +9,7 @@ pytestmark = pytest.mark.usefixtures("native")
 
 @pytest.fixture
 def surface(ball):
-    from stormfield.convert.mesh_arrays import read_mesh
+    from stormfield.scene.read.mesh import read_mesh
     from stormfield.ui.field_drawing import Surface
 
     mesh = read_mesh(ball)

@@ -30,10 +30,12 @@ NATIVE = {
 }
 
 # Parts of the add-on that run without Blender, and the parts they must not import.
-WITHOUT_BLENDER = ["analysis", "model", "native.py", "solve.py", "bake", "readers"]
-BLENDER_PARTS = {"convert", "properties", "operators", "ui", "shading", "presets", "handlers"}
+WITHOUT_BLENDER = [
+    *["model", "version.py", "work.py", "native.py", "solve.py", "cache", "analysis", "figures", "bake", "readers"],
+]
+BLENDER_PARTS = {"scene", "session", "properties", "operators", "ui", "shading", "presets", "handlers"}
 # Blender's own Python modules are found through bpy; these files alone do that, and only inside functions.
-MAY_ASK_BPY = {"bake/usd.py", "native.py"}
+MAY_ASK_BPY = {"cache/usd.py", "native.py"}
 
 
 def forbidden_includes(text: str, folder: str) -> list[str]:

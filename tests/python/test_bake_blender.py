@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from stormfield.bake import usd
-from stormfield.bake.cache import FieldCacheWriter, FrameCacheWriter
+from stormfield.cache import usd
+from stormfield.cache.field_cache import FieldCacheWriter, FrameCacheWriter
 from stormfield.model.mesh_data import MeshData
+from stormfield.model.polygons import Polygons
 
 bpy = pytest.importorskip("bpy")
 
@@ -23,7 +24,7 @@ def read(mesh):
     mesh.polygons.foreach_get("loop_total", counts)
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
-    return MeshData(vertices.reshape(-1, 3), triangles.reshape(-1, 3)), usd.Polygons(counts, corners)
+    return MeshData(vertices.reshape(-1, 3), triangles.reshape(-1, 3)), Polygons(counts, corners)
 
 
 def lambda_sample(mesh, lam):

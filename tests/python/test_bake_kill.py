@@ -23,7 +23,7 @@ if sys.argv[3] == "usd-core":
     sys.modules["bpy"] = None
 sys.path.insert(0, sys.argv[2])
 import test_cache
-from stormfield.bake import usd
+from stormfield.cache import usd
 usd.usd()
 mesh = test_cache.grid(40)
 print("ready", flush=True)

@@ -6,15 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stormfield import native
-from stormfield.bake import job
-from stormfield.bake.cache import open_cache
-from stormfield.bake.exr import ExrSettings
-from stormfield.bake.vdb import VdbSettings
+from stormfield.bake.job import bake_steps
+from stormfield.bake.lambda_cache import is_warm_started, solve_steps
+from stormfield.bake.task import BakeTask, ExrSettings, FlowSettings, VdbSettings
+from stormfield.cache.field_cache import open_cache
 from stormfield.model.design import Design, Element, SolveSettings
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
 from stormfield.readers.icosphere import icosphere
-from stormfield.solve import SolverMemory
+from stormfield.solve import SolverState
+from stormfield.work import POLL, run
 from test_cache import contents
 
 DESIGN = Design(
@@ -39,12 +40,12 @@ def mesh():
 
 @pytest.fixture(scope="module")
 def solved(mesh, tmp_path_factory):
-    return job.run(job.solve_steps(mesh, DESIGN, tmp_path_factory.mktemp("root")))
+    return run(solve_steps(mesh, DESIGN, tmp_path_factory.mktemp("root")))
 
 
 @pytest.fixture
 def task(mesh, solved, tmp_path):
-    return job.BakeTask(
+    return BakeTask(
         cache=solved,
         mesh=mesh,
         frames=(1, 2, 3, 4),
@@ -75,11 +76,11 @@ def test_a_solve_is_a_cache_of_its_own_design(mesh, solved):
 def test_the_same_design_is_found_again_and_another_gets_another_folder(mesh, solved, monkeypatch):
     before = contents(solved)
     with monkeypatch.context() as patch:
-        patch.setattr(job.solve, "start_solve", lambda *a: pytest.fail("solved again"))
-        assert job.run(job.solve_steps(mesh, DESIGN, solved.parent)) == solved
+        patch.setattr("stormfield.bake.lambda_cache.start_solve", lambda *a: pytest.fail("solved again"))
+        assert run(solve_steps(mesh, DESIGN, solved.parent)) == solved
     assert contents(solved) == before
     other = replace(DESIGN, settings=SolveSettings(samples=3))
-    folder = job.run(job.solve_steps(mesh, other, solved.parent))
+    folder = run(solve_steps(mesh, other, solved.parent))
     assert folder != solved and folder.parent == solved.parent
     assert contents(solved) == before
 
@@ -90,7 +91,7 @@ def stopped_after(steps, count):
         for step in steps:
             assert 0.0 <= step.fraction <= 1.0 and step.message
             if step.waiting:
-                time.sleep(job.POLL)
+                time.sleep(POLL)
             elif count == 0:
                 return False
             else:
@@ -102,7 +103,7 @@ def stopped_after(steps, count):
 
 def test_a_solve_stopped_at_any_step_resumes_to_the_same_bytes(mesh, solved, tmp_path):
     count = 1
-    while not stopped_after(job.solve_steps(mesh, DESIGN, tmp_path), count):
+    while not stopped_after(solve_steps(mesh, DESIGN, tmp_path), count):
         count += 1
     assert count > 3
     (folder,) = tmp_path.iterdir()
@@ -110,7 +111,7 @@ def test_a_solve_stopped_at_any_step_resumes_to_the_same_bytes(mesh, solved, tmp
 
 
 def test_a_solve_stopped_while_the_core_works_leaves_no_samples(mesh, tmp_path):
-    steps = job.solve_steps(mesh, replace(DESIGN, settings=SolveSettings(samples=400)), tmp_path)
+    steps = solve_steps(mesh, replace(DESIGN, settings=SolveSettings(samples=400)), tmp_path)
     assert any(step.waiting for step in steps)
     steps.close()
     (folder,) = tmp_path.iterdir()
@@ -118,7 +119,7 @@ def test_a_solve_stopped_while_the_core_works_leaves_no_samples(mesh, tmp_path):
 
 
 def test_fractions_never_go_back(mesh, tmp_path):
-    fractions = [step.fraction for step in job.solve_steps(mesh, DESIGN, tmp_path)]
+    fractions = [step.fraction for step in solve_steps(mesh, DESIGN, tmp_path)]
     assert fractions == sorted(fractions) and fractions[-1] == 1.0
 
 
@@ -129,19 +130,19 @@ def moved(step: int) -> Design:
 
 
 def test_edited_caches_have_folders_of_their_own_and_are_solved_from_zero_before_a_bake(mesh, task, tmp_path):
-    memory = SolverMemory()
-    first = job.run(job.solve_steps(mesh, moved(0), tmp_path, memory=memory))
-    edited = job.run(job.solve_steps(mesh, moved(1), tmp_path, memory=memory))
-    other = job.run(job.solve_steps(mesh, moved(1), tmp_path))
-    assert not job.is_edited(first) and job.is_edited(edited) and not job.is_edited(other)
+    state = SolverState()
+    first = run(solve_steps(mesh, moved(0), tmp_path, state=state))
+    edited = run(solve_steps(mesh, moved(1), tmp_path, state=state))
+    other = run(solve_steps(mesh, moved(1), tmp_path))
+    assert not is_warm_started(first) and is_warm_started(edited) and not is_warm_started(other)
     assert edited != other
     # What is solved from zero is there now, and is taken instead.
-    assert job.run(job.solve_steps(mesh, moved(1), tmp_path, memory=memory)) == other
+    assert run(solve_steps(mesh, moved(1), tmp_path, state=state)) == other
     one, two = (open_cache(folder).values("sf_orientation") for folder in (edited, other))
     # Both within the tolerance, which speaks of the residual: values far from the elements may differ by more.
     np.testing.assert_allclose(one, two, atol=0.1 * np.abs(two).max())
     results = [
-        job.run(job.bake_steps(replace(task, cache=folder, root=tmp_path / name, targets=frozenset({"exr"}))))
+        run(bake_steps(replace(task, cache=folder, root=tmp_path / name, targets=frozenset({"exr"}))))
         for folder, name in ((edited, "a"), (other, "b"))
     ]
     assert [result.cache for result in results] == [other, other]
@@ -164,7 +165,7 @@ def read_exr(path):
 
 
 def test_flow_maps_hold_the_field_and_say_what_they_are(task, mesh):
-    result = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}))))
+    result = run(bake_steps(replace(task, targets=frozenset({"exr"}))))
     assert result.whole and any("no area" in remark for remark in result.remarks)
     pixels, header = read_exr(result.folders["exr"] / "frames/frame_0002.exr")
     assert header["stormfield:basis"] == "uv"
@@ -187,7 +188,7 @@ def test_flow_maps_hold_the_field_and_say_what_they_are(task, mesh):
 
 def test_sixteen_bits_and_object_space(task):
     exr = ExrSettings(uv_layer="upper", resolution=32, basis="object", half=True, field="orientation")
-    result = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}), exr=exr)))
+    result = run(bake_steps(replace(task, targets=frozenset({"exr"}), exr=exr)))
     pixels, header = read_exr(result.folders["exr"] / "frames/frame_0001.exr")
     assert header["stormfield:field"] == "orientation"
     assert np.abs(pixels[16, 16, 2]) < 0.1 * np.abs(pixels[16, 16, :2]).max()  # tangent at the pole
@@ -195,7 +196,7 @@ def test_sixteen_bits_and_object_space(task):
 
 def test_an_overlapping_layer_is_reported(task):
     exr = ExrSettings(uv_layer="above", resolution=32)
-    result = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}), exr=exr)))
+    result = run(bake_steps(replace(task, targets=frozenset({"exr"}), exr=exr)))
     assert any("overlaps itself" in remark for remark in result.remarks)
 
 
@@ -214,21 +215,21 @@ def test_an_overlapping_layer_is_reported(task):
 )
 def test_bad_tasks_are_refused(task, change, words):
     with pytest.raises((InputError, native.InputError), match=words):
-        job.run(job.bake_steps(replace(task, **change)))
+        run(bake_steps(replace(task, **change)))
 
 
 def test_a_mesh_without_uv_layer_and_a_foreign_mesh_are_refused(task, mesh):
     bare = MeshData(mesh.vertices, mesh.triangles)
     with pytest.raises(InputError, match=r"needs? a UV layer"):
-        job.run(job.bake_steps(replace(task, mesh=bare)))
+        run(bake_steps(replace(task, mesh=bare)))
     foreign = MeshData(mesh.vertices * 1.5, mesh.triangles, mesh.uv_layers)
     with pytest.raises(InputError, match="another mesh"):
-        job.run(job.bake_steps(replace(task, mesh=foreign)))
+        run(bake_steps(replace(task, mesh=foreign)))
 
 
 def test_volumes_are_read_by_blenders_openvdb(task, mesh):
     bpy = pytest.importorskip("bpy")
-    result = job.run(job.bake_steps(replace(task, targets=frozenset({"vdb"}))))
+    result = run(bake_steps(replace(task, targets=frozenset({"vdb"}))))
     bpy.utils.expose_bundled_modules()
     import openvdb
 
@@ -249,25 +250,25 @@ ALL = frozenset({"usd", "exr", "vdb"})
 
 
 def test_the_frame_cache_holds_the_flowing_coordinates(task, mesh):
-    result = job.run(job.bake_steps(replace(task, targets=frozenset({"usd"}), flow=job.FlowSettings(period=8))))
+    result = run(bake_steps(replace(task, targets=frozenset({"usd"}), flow=FlowSettings(period=8))))
     cache = open_cache(result.folders["usd"])
     assert np.array_equal(cache.frames, [1, 2, 3, 4])
     sample = cache.sample(2)
     assert sample.keys() == {"sf_phase_a", "sf_phase_b", "sf_blend"}
     assert sample["sf_phase_a"].shape == (len(mesh.vertices), 3)
     assert sample["sf_blend"].min() >= 0.0 and sample["sf_blend"].max() <= 1.0
-    again = job.run(job.bake_steps(replace(task, targets=frozenset({"usd"}), flow=job.FlowSettings(period=9))))
+    again = run(bake_steps(replace(task, targets=frozenset({"usd"}), flow=FlowSettings(period=9))))
     assert again.folders["usd"] != result.folders["usd"]
 
 
 def test_any_split_of_the_frames_gives_the_same_bytes(task, tmp_path):
     task = replace(task, targets=ALL)
-    whole = job.run(job.bake_steps(replace(task, root=tmp_path / "whole")))
+    whole = run(bake_steps(replace(task, root=tmp_path / "whole")))
     split = replace(task, root=tmp_path / "split")
-    first = job.run(job.bake_steps(replace(split, only=frozenset({2, 3}))))
+    first = run(bake_steps(replace(split, only=frozenset({2, 3}))))
     assert not first.whole
     assert not (first.folders["exr"] / "manifest.json").exists()
-    second = job.run(job.bake_steps(replace(split, only=frozenset({1, 4}))))
+    second = run(bake_steps(replace(split, only=frozenset({1, 4}))))
     assert second.whole
     for target in ALL:
         assert contents(whole.folders[target]) == contents(second.folders[target])
@@ -275,12 +276,12 @@ def test_any_split_of_the_frames_gives_the_same_bytes(task, tmp_path):
 
 def test_a_bake_stopped_at_any_step_resumes_to_the_same_bytes(task, tmp_path):
     task = replace(task, targets=ALL)
-    expected = job.run(job.bake_steps(replace(task, root=tmp_path / "whole")))
+    expected = run(bake_steps(replace(task, root=tmp_path / "whole")))
     stopped = replace(task, root=tmp_path / "stopped")
     count = 1
-    while not stopped_after(job.bake_steps(stopped), count):
+    while not stopped_after(bake_steps(stopped), count):
         count += 1
-    result = job.run(job.bake_steps(stopped))
+    result = run(bake_steps(stopped))
     for target in ALL:
         assert contents(result.folders[target]) == contents(expected.folders[target])
 
@@ -314,23 +315,23 @@ def test_closing_stops_the_core_at_once_and_leaves_nothing_of_the_file_in_work(t
     preparing, drawing = WORDS[target]
     # Five parts: preparing, then four frames.
     for part in (0.0, 0.04, 0.12):
-        assert closed_at(job.bake_steps(large), lambda step, part=part: waits(step, preparing, part)) < SOON
+        assert closed_at(bake_steps(large), lambda step, part=part: waits(step, preparing, part)) < SOON
         assert set(contents(task.root / target)) == {"plan.json"}
     # One frame becomes finished, and stays.
-    assert closed_at(job.bake_steps(large), lambda step: waits(step, drawing, 0.4)) < SOON
+    assert closed_at(bake_steps(large), lambda step: waits(step, drawing, 0.4)) < SOON
     finished = contents(task.root / target)
     assert set(finished) == {"plan.json", f"frames/frame_0001.{target}", f"frames/frame_0001.{target}.sha256"}
     # Three are left; the next one is worked on from 0.25 to 0.5.
     for part in (0.25, 0.35):
-        assert closed_at(job.bake_steps(large), lambda step, part=part: waits(step, drawing, part)) < SOON
+        assert closed_at(bake_steps(large), lambda step, part=part: waits(step, drawing, part)) < SOON
         assert contents(task.root / target) == finished
 
 
 @pytest.mark.parametrize("target", ["exr", "vdb"])
 def test_closing_between_two_slices_of_a_file_removes_it(task, target, monkeypatch, tmp_path):
     small = replace(task, targets=frozenset({target}))
-    expected = contents(job.run(job.bake_steps(replace(small, root=tmp_path / "whole"))).folders[target])
-    monkeypatch.setattr("stormfield.bake.store.SLICE", 1000)
+    expected = contents(run(bake_steps(replace(small, root=tmp_path / "whole"))).folders[target])
+    monkeypatch.setattr("stormfield.cache.store.SLICE", 1000)
     second = f"frame {small.frames[1]}"
     slices = [0]
 
@@ -338,16 +339,16 @@ def test_closing_between_two_slices_of_a_file_removes_it(task, target, monkeypat
         slices[0] += not step.waiting and step.message.endswith(second)
         return slices[0] == 4  # the first step announces the frame
 
-    closed_at(job.bake_steps(small), third_slice)
+    closed_at(bake_steps(small), third_slice)
     left = contents(task.root / target)
     assert {name.removesuffix(".sha256") for name in left} == {"plan.json", f"frames/frame_0001.{target}"}
-    assert contents(job.run(job.bake_steps(small)).folders[target]) == expected
+    assert contents(run(bake_steps(small)).folders[target]) == expected
 
 
 def test_changed_settings_start_the_images_anew(task):
-    first = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}))))
+    first = run(bake_steps(replace(task, targets=frozenset({"exr"}))))
     before = contents(first.folders["exr"])
     smaller = ExrSettings(uv_layer="upper", resolution=32)
-    second = job.run(job.bake_steps(replace(task, targets=frozenset({"exr"}), exr=smaller)))
+    second = run(bake_steps(replace(task, targets=frozenset({"exr"}), exr=smaller)))
     after = contents(second.folders["exr"])
     assert before.keys() == after.keys() and all(before[name] != after[name] for name in before)

@@ -11,11 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stormfield.bake import usd
-from stormfield.bake.cache import FieldCacheWriter, FrameCacheWriter, open_cache
-from stormfield.bake.store import delete_cache
+from stormfield.cache import usd
+from stormfield.cache.field_cache import FieldCacheWriter, FrameCacheWriter, open_cache
+from stormfield.cache.store import delete_cache
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
+from stormfield.model.polygons import Polygons
 
 LAMBDAS = [0.0, 0.1, 0.5, 1.0]
 SETTINGS = {"design": {"elements": [{"name": "west storm"}]}, "samples": 4}
@@ -105,7 +106,7 @@ def test_polygons_are_kept(mesh, tmp_path):
     n = 6
     corner = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
     quads = np.stack([corner, corner + n, corner + n + 1, corner + 1], axis=1).astype(np.int32)
-    polygons = usd.Polygons(np.full(len(quads), 4, np.int32), quads.ravel())
+    polygons = Polygons(np.full(len(quads), 4, np.int32), quads.ravel())
     assert bake(tmp_path, mesh, polygons=polygons)
     stage = usd.usd().Usd.Stage.Open(str(tmp_path / "field.usda"))
     prim = stage.GetPrimAtPath(usd.PRIM)

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from command_line import refused, run
 from stormfield import native
-from stormfield.bake import job, store
-from stormfield.bake.cache import open_cache
+from stormfield.cache import store
+from stormfield.cache.field_cache import open_cache
 from stormfield.cli.bake import _frames
 from stormfield.model.errors import InputError
 from stormfield.readers.icosphere import icosphere
@@ -203,7 +203,7 @@ def test_a_missing_or_wrong_core_is_one_line(capsys, sphere, monkeypatch):
 
 
 def test_our_own_mistakes_are_not_called_the_users(capsys, design, tmp_path, monkeypatch):
-    monkeypatch.setattr(job, "solve_steps", lambda *a, **k: 1 / 0)
+    monkeypatch.setattr("stormfield.bake.lambda_cache.solve_steps", lambda *a, **k: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         run(capsys, "solve", design(), "--out", tmp_path / "out")
 

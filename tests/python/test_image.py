@@ -8,9 +8,9 @@ import pytest
 pytest.importorskip("matplotlib", reason="matplotlib is not installed")
 
 from stormfield import native
-from stormfield.analysis import image, view
 from stormfield.analysis.entities import Entity, EntityGraph, Link
 from stormfield.analysis.tracking import Bifurcation, TrackedPath, Tracking
+from stormfield.figures import image, view
 from stormfield.model.errors import InputError
 from stormfield.readers.icosphere import icosphere
 

@@ -11,11 +11,11 @@ import pytest
 import stormfield_native as native
 from stormfield.analysis.mcg import morse_graph, morse_json
 from stormfield.analysis.steps import morse_steps
-from stormfield.bake.job import Stop, run
 from stormfield.cli import main
 from stormfield.model.mesh_data import MeshData
 from stormfield.readers import read_field
 from stormfield.readers.icosphere import icosphere
+from stormfield.work import Stop, run
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 KINDS = {"source", "sink", "saddle", "attracting", "repelling", "trivial", "other"}

@@ -5,13 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import stormfield_native as native
-from stormfield.bake import fields, job
-from stormfield.bake.cache import FieldCacheWriter, open_cache
-from stormfield.bake.morse import KIND, KINDS, MORSE, MorseSamples, Sets, continued
-from stormfield.bake.usd import Polygons
+from stormfield.bake.job import bake_steps
+from stormfield.bake.targets.morse import KIND, KINDS, MORSE, MorseSamples, Sets, continued
+from stormfield.bake.task import BakeTask, MorseSettings
+from stormfield.cache import fields
+from stormfield.cache.field_cache import FieldCacheWriter, open_cache
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
+from stormfield.model.polygons import Polygons
 from stormfield.readers.icosphere import icosphere
+from stormfield.work import run
 
 LAMBDAS = np.linspace(0, 1, 6)
 SOURCE, SINK, SADDLE = (KINDS.index(kind) for kind in ("source", "sink", "saddle"))
@@ -49,8 +52,8 @@ def write_cache(folder, mesh, polygons, field, lambdas=LAMBDAS):
 
 
 def samples(cache, mesh, polygons, settings=None):
-    morse = MorseSamples(cache, fields.native_mesh(mesh), settings or job.MorseSettings())
-    return [job.run(morse.steps(j, polygons)) for j in range(len(cache.lambdas))]
+    morse = MorseSamples(cache, fields.native_mesh(mesh), settings or MorseSettings())
+    return [run(morse.steps(j, polygons)) for j in range(len(cache.lambdas))]
 
 
 def kinds_by_number(sample):
@@ -86,7 +89,7 @@ def test_sets_come_and_go(tmp_path, backwards):
 def test_maps_of_the_flow_have_numbers_too(tmp_path, method):
     mesh, polygons = square()
     cache = write_cache(tmp_path, mesh, polygons, drifting, LAMBDAS[:3])
-    found = samples(cache, mesh, polygons, job.MorseSettings(method=method))
+    found = samples(cache, mesh, polygons, MorseSettings(method=method))
     assert sorted(kinds_by_number(found[0]).values()) == [SINK, SINK, SADDLE]
     assert all(kinds_by_number(sample) == kinds_by_number(found[0]) for sample in found)
 
@@ -94,7 +97,7 @@ def test_maps_of_the_flow_have_numbers_too(tmp_path, method):
 def test_a_field_that_stands_still_has_no_sets(tmp_path):
     mesh, polygons = square(8)
     cache = write_cache(tmp_path, mesh, polygons, lambda p, lam: drifting(p, 0.5) * min(lam, 1 - lam), [0.0, 0.5, 1.0])
-    found = samples(cache, mesh, polygons, job.MorseSettings(method="tau"))
+    found = samples(cache, mesh, polygons, MorseSettings(method="tau"))
     assert [bool((sample[MORSE] >= 0).any()) for sample in found] == [False, True, False]
 
 
@@ -115,21 +118,21 @@ def test_only_one_enclosure_hands_on_and_first_to_the_same_kind():
 
 def test_a_polygon_takes_the_first_set_of_its_triangles():
     polygons = Polygons(np.array([3, 5, 4], np.int32), np.zeros(12, np.int32))
-    assert polygons.gathered(np.array([4, -1, 2, 3, -1, -1], np.int32)).tolist() == [4, 2, -1]
+    assert polygons.of_triangle_values(np.array([4, -1, 2, 3, -1, -1], np.int32)).tolist() == [4, 2, -1]
 
 
 @pytest.fixture
 def task(tmp_path):
     mesh, polygons = square(12)
     cache = write_cache(tmp_path / "lambda", mesh, polygons, drifting)
-    return job.BakeTask(
+    return BakeTask(
         cache=cache.folder, mesh=mesh, frames=(1, 2), lambdas=(0.0, 1.0), root=tmp_path,
         targets=frozenset({"morse"}), polygons=polygons
     )  # fmt: skip
 
 
 def test_the_cache(task):
-    result = job.run(job.bake_steps(task))
+    result = run(bake_steps(task))
     cache = open_cache(result.folders["morse"])
     assert result.whole and np.array_equal(cache.lambdas, LAMBDAS)
     for j, sample in enumerate(samples(open_cache(task.cache), task.mesh, task.polygons)):
@@ -140,26 +143,26 @@ def test_the_cache(task):
     assert np.array_equal(cache.at(0.3)[MORSE], cache.sample(1)[MORSE])
     written = {path: path.stat().st_mtime_ns for path in cache.folder.rglob("*") if path.is_file()}
     (cache.folder / "samples" / "lam_0003.usdc").unlink()
-    job.run(job.bake_steps(task))
+    run(bake_steps(task))
     changed = {path.name for path, time in written.items() if path.stat().st_mtime_ns != time}
     assert "lam_0003.usdc" in changed and "lam_0002.usdc" not in changed
-    other = job.run(job.bake_steps(replace(task, morse=job.MorseSettings(method="tau"))))
+    other = run(bake_steps(replace(task, morse=MorseSettings(method="tau"))))
     assert other.folders["morse"] != cache.folder
 
 
 def test_one_machine_of_several_writes_it(task):
-    assert not job.run(job.bake_steps(replace(task, only=frozenset({2})))).whole
-    assert job.run(job.bake_steps(replace(task, only=frozenset({1})))).whole
+    assert not run(bake_steps(replace(task, only=frozenset({2})))).whole
+    assert run(bake_steps(replace(task, only=frozenset({1})))).whole
 
 
 def test_bad_settings(task):
     for settings, says in (
-        (job.MorseSettings(method="magic"), "magic"),
-        (job.MorseSettings(method="tau", tau=-1.0), "tau is -1"),
-        (job.MorseSettings(eps=-1.0), "eps is -1"),
+        (MorseSettings(method="magic"), "magic"),
+        (MorseSettings(method="tau", tau=-1.0), "tau is -1"),
+        (MorseSettings(eps=-1.0), "eps is -1"),
     ):
         with pytest.raises(native.InputError, match=says):
-            job.run(job.bake_steps(replace(task, morse=settings)))
+            run(bake_steps(replace(task, morse=settings)))
     writer = FieldCacheWriter(task.root / "bad", task.mesh, [0.0], {}, polygons=task.polygons)
     with pytest.raises(InputError, match="144 polygons"):
         writer.write_sample(0, {MORSE: np.zeros(288, np.int32)})

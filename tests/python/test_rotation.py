@@ -1,7 +1,7 @@
 """The rotation of rigid motion is twice its angular speed; a field from a potential has none."""
 
 import numpy as np
-from stormfield.bake.rotation import rotation
+from stormfield.cache.rotation import rotation
 
 
 def disc(steps: int = 24) -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ from stormfield import native
 from stormfield.model.design import Design, Element, SolveSettings
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
-from stormfield.solve import SolverMemory, start_solve
+from stormfield.solve import SolverState, start_solve
 
 
 def sphere(level: int) -> MeshData:
@@ -103,7 +103,7 @@ def test_a_field_without_elements_is_the_other():
 
 
 def test_a_solver_in_memory_needs_fewer_iterations():
-    mesh, design, memory = sphere(4), merge(tolerance=1e-6), SolverMemory()
+    mesh, design, memory = sphere(4), merge(tolerance=1e-6), SolverState()
     assert not memory.holds(mesh)
     cold = start_solve(mesh, design, memory).result()
     assert memory.holds(mesh) and not memory.holds(sphere(3))
@@ -116,7 +116,7 @@ def test_a_solver_in_memory_needs_fewer_iterations():
 
 
 def test_memory_follows_to_another_mesh_sampling_and_number_of_fields():
-    memory = SolverMemory()
+    memory = SolverState()
     for mesh, design in ((sphere(3), merge()), (sphere(4), merge()), (sphere(4), merge(samples=10))):
         result = start_solve(mesh, design, memory).result()
         assert result.fields["advection"].values.shape == (len(result.lambdas), len(mesh.vertices))
@@ -129,7 +129,7 @@ def test_memory_follows_to_another_mesh_sampling_and_number_of_fields():
 
 
 def test_a_stopped_solve_leaves_a_memory_to_go_on_with():
-    mesh, memory = sphere(4), SolverMemory()
+    mesh, memory = sphere(4), SolverState()
     start_solve(mesh, merge(), memory).result()
     stopped = start_solve(mesh, merge(tolerance=1e-9), memory)
     stopped.cancel()

@@ -7,9 +7,9 @@ import pytest
 from stormfield import native
 from stormfield.analysis.steps import ecg_steps, surface_steps
 from stormfield.analysis.streamlines import Settings, streamline_steps
-from stormfield.bake.job import run
 from stormfield.model.mesh_data import MeshData
 from stormfield.readers.icosphere import icosphere
+from stormfield.work import run
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from stormfield import native
 from stormfield.analysis.streamlines import Settings, streamline_steps
-from stormfield.bake.job import run
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
 from stormfield.readers.icosphere import icosphere
+from stormfield.work import run
 
 
 def turning(points):

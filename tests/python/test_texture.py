@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from stormfield import native
-from stormfield.bake.frames import BLEND, PHASE_A, PHASE_B, FlowFrames
+from stormfield.bake.targets.frames import BLEND, PHASE_A, PHASE_B, FlowCoordinates
 from stormfield.readers.icosphere import icosphere
 
 FRAMES = np.arange(1, 61)
@@ -31,8 +31,12 @@ def task(frames=FRAMES, period=24, speed=1.0):
     return SimpleNamespace(frames=tuple(frames), lambdas=tuple(lambdas), frames_per_second=24.0, flow=flow)
 
 
+def attributes_at(coordinates, index):
+    return coordinates.attributes_of(coordinates.start(index).result())
+
+
 def test_frames_have_the_attributes_of_the_cache(sphere, field):
-    attributes = FlowFrames(field, task()).attributes(30)
+    attributes = attributes_at(FlowCoordinates(field, task()), 30)
     n = sphere.vertex_count
     assert {name: (a.shape, a.dtype) for name, a in attributes.items()} == {
         PHASE_A: ((n, 3), np.float32),
@@ -43,10 +47,10 @@ def test_frames_have_the_attributes_of_the_cache(sphere, field):
 
 
 def test_any_part_of_a_bake_gives_the_same_bytes(field):
-    one, other = FlowFrames(field, task()), FlowFrames(field, task())
-    other.attributes(3)
-    for name, values in one.attributes(41).items():
-        assert values.tobytes() == other.attributes(41)[name].tobytes()
+    one, other = FlowCoordinates(field, task()), FlowCoordinates(field, task())
+    attributes_at(other, 3)
+    for name, values in attributes_at(one, 41).items():
+        assert values.tobytes() == attributes_at(other, 41)[name].tobytes()
 
 
 def test_coordinates_are_carried_back_by_the_rotation(sphere):
@@ -75,15 +79,15 @@ def test_offsets_of_ones_own(sphere, field):
 
 
 def test_error_is_stated(field):
-    error = FlowFrames(field, task()).error(50)
+    error = FlowCoordinates(field, task()).error(50)
     assert error["mean"] < 1e-3 and error["mean"] < error["mean_between"] < 0.2
 
 
 def test_a_frame_can_be_watched_and_cancelled(field):
-    flow = FlowFrames(field, task())
+    flow = FlowCoordinates(field, task())
     job = flow.start(5)
-    assert set(flow.finish(job)) == {PHASE_A, PHASE_B, BLEND} and job.done and job.fraction == 1.0
-    many = flow.coordinates.start([float(f) for f in range(1000)])
+    assert set(flow.attributes_of(job.result())) == {PHASE_A, PHASE_B, BLEND} and job.done and job.fraction == 1.0
+    many = flow._coordinates.start([float(f) for f in range(1000)])
     many.cancel()
     with pytest.raises(native.Cancelled):
         many.result()

@@ -1,0 +1,81 @@
+"""Design and mesh → λ cache: solved, and written sample by sample.
+
+    folder = run(solve_steps(mesh, design, root, polygons))
+
+Caches are named by what made them: the same design finds its cache again at once, another design gets another folder,
+and undo finds the earlier one. Closing the steps stops running work and keeps finished samples, so that the same call
+goes on from there.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from .. import native
+from ..cache import fields
+from ..cache.field_cache import FieldCacheWriter, open_cache
+from ..cache.layout import MANIFEST
+from ..cache.plan import MeshIdentity, Plan
+from ..model.design import Design
+from ..model.mesh_data import MeshData
+from ..model.polygons import Polygons
+from ..solve import SolverState, start_solve
+from ..version import VERSION
+from ..work import Step, Steps, between, result_of
+from .unfinished import unfinished
+
+#: Where the solve ends, and where the stream functions do and writing begins, in the fractions of all steps.
+SOLVE_END, STREAM_END = 0.75, 0.85
+#: Setting of a λ cache whose solve started from an earlier solution.
+WARM_STARTED = {"start": "last solution"}
+
+
+def solve_steps(
+    mesh: MeshData,
+    design: Design,
+    root: Path,
+    polygons: Polygons | None = None,
+    *,
+    folder: Path | None = None,
+    resume: bool = True,
+    state: SolverState | None = None,
+) -> Steps[Path]:
+    """Solves a design into its λ cache, root/lambda-<key>, or `folder`; returns that folder.
+
+    resume: samples that are there already, from the same design and mesh, are kept.
+    state: while an artist edits, each solve starts from the last one. Its bytes then depend on the edits before, so
+    such a cache says so in its settings and has a folder of its own; bake_steps solves it from zero before it bakes.
+    """
+    design.check()
+    settings = {"design": design.to_json(), "attributes": list(fields.ATTRIBUTES), "stormfield": VERSION}
+    lambdas = np.linspace(0.0, 1.0, design.settings.samples).tolist()
+
+    def own_folder() -> Path:
+        plan = Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)
+        return folder or Path(root) / plan.folder_name("lambda")
+
+    target = own_folder()
+    if state is not None and state.holds(mesh) and not (target / MANIFEST).exists():
+        settings |= WARM_STARTED
+        target = own_folder()
+        # Samples of two solves that stopped halfway would not fit together.
+        resume = resume and (target / MANIFEST).exists()
+    writer = FieldCacheWriter(target, mesh, lambdas, settings, polygons=polygons, resume=resume)
+    missing = yield from unfinished(writer, range(len(lambdas)))
+    if missing:
+        solution = yield from result_of(start_solve(mesh, design, state), 0.0, "Solving", SOLVE_END)
+        streams = native.start_stream_functions(solution.fields["advection"])
+        stream = yield from result_of(streams, SOLVE_END, "Finding the stream functions", STREAM_END)
+        for done, j in enumerate(missing):
+            notes = solution.notes if done == 0 else ()
+            message = f"Writing sample {j + 1} of {len(lambdas)}"
+            yield Step(between(STREAM_END, 1.0, done / len(missing)), message, notes=notes)
+            writer.write_sample(j, fields.attributes_of(solution, stream, j))
+    yield Step(1.0, "Joining the samples")
+    writer.finish()
+    return target
+
+
+def is_warm_started(cache: Path) -> bool:
+    """Whether a λ cache was solved from an earlier solution, so that its bytes depend on the edits before it."""
+    return all(open_cache(cache).settings.get(name) == value for name, value in WARM_STARTED.items())

@@ -1,0 +1,10 @@
+"""What a bake can write: one module for each target, in the order in which they are written."""
+
+from .exr import FlowMaps
+from .frames import FlowingTexture
+from .morse import MorseCache
+from .target import Target
+from .vdb import Bands
+
+#: By the words of the command line.
+TARGETS: dict[str, type[Target]] = {"usd": FlowingTexture, "exr": FlowMaps, "vdb": Bands, "morse": MorseCache}

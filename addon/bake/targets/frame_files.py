@@ -1,0 +1,85 @@
+"""What targets with one file for each frame share: the core makes each file in memory, Python writes it in slices."""
+
+import contextlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...cache import fields
+from ...cache.field_cache import FieldCache
+from ...cache.plan import MeshIdentity, Plan
+from ...cache.store import CacheStore
+from ...work import Step, Steps, between, result_of
+from ..task import BakeTask
+from .target import Origin
+
+#: Where a file is made and its writing begins, in the fractions of its steps.
+MADE = 0.9
+
+
+class FrameFiles:
+    """One file for each frame of the task, named frames/frame_0001.* so that Blender finds the sequence."""
+
+    name = ""  #: target in the plan, and the folder in the task's root
+    preparing = ""  #: message of the work that all frames share
+    making = ""  #: message of one frame's work
+
+    def __init__(self, task: BakeTask, cache: FieldCache, origin: Origin) -> None:
+        self._task, self._cache = task, cache
+        self._identity = MeshIdentity.of(task.mesh)
+        content = {self.name: self._settings(), "from": origin}
+        plan = Plan(self.name, "frame", tuple(int(frame) for frame in task.frames), self._identity, content)
+        self._store = CacheStore(task.root / self.name, plan, resume=task.resume, replace=True)
+
+    @property
+    def folder(self) -> Path:
+        return self._store.folder
+
+    def samples(self, indices: set[int]) -> Iterable[int]:
+        return indices
+
+    def missing(self, among: Iterable[int]) -> list[int]:
+        return self._store.missing(among)
+
+    def finish(self) -> bool:
+        return self._store.finish({})
+
+    def write(self, samples: list[int]) -> Steps[list[str]]:
+        yield Step(0.0, self.preparing)
+        mesh = fields.native_mesh(self._task.mesh)
+        # What all frames share counts as one frame more.
+        frames = len(samples) + 1
+        shared = yield from result_of(self._start_shared(mesh), 0.0, self.preparing, 1.0 / frames)
+        for done, index in enumerate(samples, start=1):
+            yield from self._write_file(index, shared, mesh, done / frames, (done + 1) / frames)
+        return self._remarks(shared)
+
+    def _write_file(self, index: int, shared: Any, mesh: Any, start: float, end: float) -> Steps[None]:
+        lam, made = self._task.lambdas[index], between(start, end, MADE)
+        message = f"{self.making} of frame {self._task.frames[index]}"
+        yield Step(start, message)
+        job = self._start_file(shared, self._cache.at(lam), mesh, lam)
+        data = yield from result_of(job, start, message, made)
+        with contextlib.closing(self._store.write_bytes(index, data)) as slices:
+            for fraction in slices:
+                yield Step(between(made, end, fraction), message)
+
+    # Of each target ---------------------------------------------------------------------------------------------------
+
+    def _settings(self) -> dict[str, Any]:
+        """JSON of all that decides the files, besides mesh, frames and origin. Raises InputError for useless ones."""
+        raise NotImplementedError
+
+    def _start_shared(self, mesh: Any) -> Any:
+        """Begins what all frames share: a job for _start_file. mesh: native TriangleMesh."""
+        raise NotImplementedError
+
+    def _start_file(self, shared: Any, sample: dict[str, np.ndarray], mesh: Any, lam: float) -> Any:
+        """Begins one file: a job whose result is its bytes. sample: the attributes of the λ cache at λ."""
+        raise NotImplementedError
+
+    def _remarks(self, shared: Any) -> list[str]:
+        """What the artist should know; empty when all is well."""
+        return []

@@ -1,0 +1,94 @@
+"""Texture coordinates that flow, per frame: what the materials read as sf_phase_a, sf_phase_b, sf_blend.
+
+Each phase is the place, in object space, where the material at a vertex was when its cycle began, carried along the
+advection field with λ as keyframed; the core explains the cycles (native/texture/advected_coordinates.h). Shaders blend
+a solid texture T with mean m, taken at both phases, without losing contrast:
+
+    m + ((1 - blend) (T(a) - m) + blend (T(b) - m)) / sqrt((1 - blend)² + blend²)
+
+Each frame is computed from the task alone, not from its neighbours: any part of a bake gives the same bytes. Before its
+first frame the animation is taken to stand still at the first λ.
+"""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ... import native
+from ...cache import fields
+from ...cache.field_cache import FieldCache, FrameCacheWriter
+from ...cache.plan import MeshIdentity, Plan
+from ...work import Step, Steps, result_of
+from ..task import BakeTask
+from .target import Origin
+
+PHASE_A, PHASE_B, BLEND = "sf_phase_a", "sf_phase_b", "sf_blend"
+
+
+class FlowingTexture:
+    """A frame cache for the Mesh Sequence Cache modifier."""
+
+    def __init__(self, task: BakeTask, cache: FieldCache, origin: Origin) -> None:
+        self._task, self._cache = task, cache
+        settings = {"flow": vars(task.flow), "from": origin}
+        plan = Plan("usd", "frame", task.frames, MeshIdentity.of(task.mesh), settings)
+        self.folder: Path = task.root / plan.folder_name("frames")
+        self._writer = FrameCacheWriter(
+            self.folder, task.mesh, task.frames, settings, polygons=task.polygons, resume=task.resume, replace=True
+        )
+
+    @staticmethod
+    def check(task: BakeTask) -> None:
+        """Any frames can be baked."""
+
+    def samples(self, indices: set[int]) -> Iterable[int]:
+        return indices
+
+    def missing(self, among: Iterable[int]) -> list[int]:
+        return self._writer.missing(among)
+
+    def write(self, samples: list[int]) -> Steps[list[str]]:
+        yield Step(0.0, "Reading the field")
+        mesh = fields.native_mesh(self._task.mesh)
+        coordinates = FlowCoordinates(fields.parameterized(self._cache, fields.ADVECTION, mesh), self._task)
+        for done, index in enumerate(samples):
+            message = f"Carrying texture to frame {self._task.frames[index]}"
+            start, end = done / len(samples), (done + 1) / len(samples)
+            found = yield from result_of(coordinates.start(index), start, message, end)
+            self._writer.write_sample(index, coordinates.attributes_of(found))
+        return []
+
+    def finish(self) -> bool:
+        return self._writer.finish()
+
+
+class FlowCoordinates:
+    """The coordinates at the frames of a task, on its advection field."""
+
+    def __init__(self, field: Any, task: BakeTask) -> None:
+        """field: native ParameterizedField."""
+        self.frames = tuple(task.frames)
+        self._coordinates = native.AdvectedCoordinates(
+            field,
+            np.asarray(task.frames, np.float64),
+            np.asarray(task.lambdas, np.float64),
+            frames_per_second=float(task.frames_per_second),
+            period=float(task.flow.period),
+            speed=float(task.flow.speed),
+        )
+
+    def start(self, index: int) -> Any:
+        """Begins the task's frame of that index on other threads: a job for attributes_of(job.result())."""
+        return self._coordinates.start([self.frames[index]])
+
+    @staticmethod
+    def attributes_of(found: Any) -> dict[str, np.ndarray]:
+        """The attributes of one frame, float32, (n, 3) and (n,)."""
+        ((phase_a, phase_b, blend),) = found
+        return {PHASE_A: phase_a, PHASE_B: phase_b, BLEND: blend}
+
+    def error(self, index: int) -> dict[str, float]:
+        """Error of the carried coordinates against much finer traces, in mean edge lengths."""
+        return self._coordinates.error(self.frames[index])

@@ -1,0 +1,169 @@
+"""Morse sets over λ, per face: `sf_morse`, the number of the set, and `sf_morse_kind`, its place in KINDS; -1 for none.
+
+A number means the same set at every λ. From one sample to the next the field changes by at most |V' - V| at each
+vertex, and the sets of the geometry-based map of that error bound (native/morse/error_bound.h) enclose those of every
+field in between. So only sets inside the same enclosure can be one set before and after: of these, first those of the
+same kind, then those that share most of their area, then the nearest. What is left is new and gets a new number.
+
+    morse = MorseSamples(cache, mesh, settings)          # native mesh, task.MorseSettings
+    for j in range(len(cache.lambdas)):                  # in this order: each sample goes on from the last
+        attributes = run(morse.steps(j, polygons))
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ... import native
+from ...cache import fields
+from ...cache.field_cache import FieldCache, FieldCacheWriter
+from ...cache.plan import MeshIdentity, Plan
+from ...model.polygons import Polygons
+from ...work import Steps, result_of, scaled
+from ..task import BakeTask, MorseSettings
+from .target import Origin
+
+MORSE, KIND = "sf_morse", "sf_morse_kind"
+#: Kinds by their number in KIND.
+KINDS = ("source", "sink", "saddle", "attracting", "repelling", "trivial", "other")
+#: Where the sets of a sample are found, in the fractions of its steps; their numbers follow.
+SETS_END = 0.7
+
+
+class MorseCache:
+    """A λ cache of the Morse sets. Of several machines the one with the first frame writes all of it."""
+
+    def __init__(self, task: BakeTask, cache: FieldCache, origin: Origin) -> None:
+        self._task, self._cache = task, cache
+        settings = {"morse": vars(task.morse), "from": {name: origin[name] for name in ("field", "stormfield")}}
+        lambdas = cache.lambdas.tolist()
+        plan = Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(task.mesh), settings)
+        self.folder: Path = task.root / plan.folder_name("morse")
+        self._polygons = task.polygons or Polygons.of_triangles(task.mesh.triangles)
+        self._writer = FieldCacheWriter(
+            self.folder, task.mesh, lambdas, settings, polygons=self._polygons, resume=task.resume, replace=True
+        )
+
+    @staticmethod
+    def check(task: BakeTask) -> None:
+        """The core checks the settings."""
+
+    def samples(self, indices: set[int]) -> Iterable[int]:
+        return range(len(self._cache.lambdas)) if 0 in indices else ()
+
+    def missing(self, among: Iterable[int]) -> list[int]:
+        return self._writer.missing(among)
+
+    def write(self, samples: list[int]) -> Steps[list[str]]:
+        morse = MorseSamples(self._cache, fields.native_mesh(self._task.mesh), self._task.morse)
+        # Numbers go on from sample to sample: those before a missing one are found again.
+        count = samples[-1] + 1
+        for j in range(count):
+            message = f"Dividing the surface at sample {j + 1} of {len(self._cache.lambdas)}"
+            attributes = yield from scaled(morse.steps(j, self._polygons, message), j / count, (j + 1) / count)
+            if j in samples:
+                self._writer.write_sample(j, attributes)
+        return []
+
+    def finish(self) -> bool:
+        return self._writer.finish()
+
+
+@dataclass(frozen=True, eq=False)
+class Sets:
+    """The Morse sets of one sample, and the numbers they have over λ."""
+
+    of: np.ndarray  #: (m,) int32, the set of every triangle, -1 for none
+    kinds: np.ndarray  #: (k,) int32, of every set, places in KINDS
+    numbers: np.ndarray  #: (k,) int32
+
+
+class MorseSamples:
+    def __init__(self, cache: FieldCache, mesh: Any, settings: MorseSettings):
+        self._cache, self._mesh, self._settings = cache, mesh, settings
+        corners = np.asarray(mesh.vertices)[np.asarray(mesh.triangles)]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        self._areas, self._centres = 0.5 * np.linalg.norm(normals, axis=1), corners.mean(axis=1)
+        self._last: tuple[Any, Sets] | None = None
+        self._count = 0
+
+    def steps(self, index: int, polygons: Polygons, message: str = "") -> Steps[dict[str, np.ndarray]]:
+        """The attributes of sample `index`, int32 per polygon. Raises InputError where the settings cannot be used."""
+        field = fields.field_at(self._cache.sample(index), self._settings.attribute, self._mesh)
+        of, kinds = np.full(len(self._areas), -1, np.int32), np.empty(0, np.int32)
+        if np.any(field.values):  # a field that stands still everywhere has no sets
+            job = native.start_morse(field, persistence=False, **self._settings.options())
+            found = yield from result_of(job, 0.0, message, SETS_END)
+            of = np.asarray(found.face_sets, np.int32)
+            kinds = np.array([KINDS.index(s.kind) for s in found.sets], np.int32)
+        numbers = np.full(len(kinds), -1, np.int32)
+        if self._last is not None:
+            before, sets = self._last
+            change = np.abs(field.values - before.values)
+            job = native.start_morse(before, eps=1.0, weights=change, persistence=False)
+            around = yield from result_of(job, SETS_END, message)
+            numbers = continued(sets, Sets(of, kinds, numbers), around.face_sets, self._areas, self._centres)
+        fresh = np.flatnonzero(numbers < 0)
+        numbers[fresh] = self._count + np.arange(len(fresh))
+        self._count += len(fresh)
+        self._last = field, Sets(of, kinds, numbers)
+        return {
+            name: polygons.of_triangle_values(_at(values, of)) for name, values in ((MORSE, numbers), (KIND, kinds))
+        }
+
+
+def continued(before: Sets, after: Sets, around: np.ndarray, areas: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    """The numbers that sets of `before` hand on to sets of `after`, (k,) int32, -1 for those that are new.
+
+    around: (m,) the enclosure of every triangle, -1 for none; areas, centres: (m,) and (m, 3), of the triangles.
+    """
+    first, second = _enclosures(before, around), _enclosures(after, around)
+    one, other = np.nonzero(first[:, None] == second[None, :])
+    shared = _shared(before, after, areas)[one, other]
+    unlike = before.kinds[one] != after.kinds[other]
+    middles = _middles(before, areas, centres)[one] - _middles(after, areas, centres)[other]
+    order = np.lexsort((other, one, np.linalg.norm(middles, axis=1), -shared, unlike))
+    numbers = np.full(len(after.kinds), -1, np.int32)
+    given = np.zeros(len(before.kinds), bool)
+    for pair in order[(~unlike | (shared > 0))[order]]:
+        a, b = one[pair], other[pair]
+        if not given[a] and numbers[b] < 0:
+            given[a], numbers[b] = True, before.numbers[a]
+    return numbers
+
+
+# Steps ----------------------------------------------------------------------------------------------------------------
+
+
+def _at(per_set: np.ndarray, of: np.ndarray) -> np.ndarray:
+    values = np.full(len(of), -1, np.int32)
+    values[of >= 0] = per_set[of[of >= 0]]
+    return values
+
+
+def _enclosures(sets: Sets, around: np.ndarray) -> np.ndarray:
+    """The enclosure that holds most triangles of each set. Sets of maps of the flow may reach beyond one."""
+    inside = sets.of >= 0
+    held = np.zeros((len(sets.kinds), int(around.max(initial=-1)) + 2), np.int64)
+    np.add.at(held, (sets.of[inside], around[inside] + 1), 1)
+    return held.argmax(axis=1) - 1
+
+
+def _shared(before: Sets, after: Sets, areas: np.ndarray) -> np.ndarray:
+    """The area that every set before and every set after have in common."""
+    both = (before.of >= 0) & (after.of >= 0)
+    shared = np.zeros((len(before.kinds), len(after.kinds)))
+    np.add.at(shared, (before.of[both], after.of[both]), areas[both])
+    return shared
+
+
+def _middles(sets: Sets, areas: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    """(k, 3) centres of mass."""
+    inside = sets.of >= 0
+    mass, moment = np.zeros(len(sets.kinds)), np.zeros((len(sets.kinds), 3))
+    np.add.at(mass, sets.of[inside], areas[inside])
+    np.add.at(moment, sets.of[inside], areas[inside, None] * centres[inside])
+    return moment / np.maximum(mass, 1e-300)[:, None]

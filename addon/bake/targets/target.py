@@ -1,0 +1,42 @@
+"""What a bake asks of a target: one folder of samples that can be written in any order, on many machines.
+
+target = FlowMaps(task, cache, origin)
+missing = target.missing(target.samples(task.indices()))
+remarks = run(target.write(missing))
+target.finish()                                    # False while other machines owe samples
+"""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from ...cache.field_cache import FieldCache
+from ...work import Steps
+from ..task import BakeTask
+
+#: JSON of what the samples are made from: part of the plan of every target.
+Origin = Mapping[str, Any]
+
+
+class Target(Protocol):
+    def __init__(self, task: BakeTask, cache: FieldCache, origin: Origin) -> None:
+        """Opens the folder: keeps what is finished where the task resumes, and deletes what was baked otherwise."""
+
+    @property
+    def folder(self) -> Path: ...
+
+    @staticmethod
+    def check(task: BakeTask) -> None:
+        """Raises InputError on what can be seen without the λ cache."""
+
+    def samples(self, indices: set[int]) -> Iterable[int]:
+        """The samples that a machine writes to which these places in task.frames belong."""
+
+    def missing(self, among: Iterable[int]) -> list[int]:
+        """Those of them that are not finished, in order. Reads the finished ones, to check them."""
+
+    def write(self, samples: list[int]) -> Steps[list[str]]:
+        """Writes these samples, at least one; returns remarks for the artist. Closing the steps leaves no torn file."""
+
+    def finish(self) -> bool:
+        """Writes what joins the samples, then the manifest. False while samples are missing."""

@@ -1,0 +1,1 @@
+"""Caches on disk: attributes over λ or over frames, as USD that Blender reads by itself. No Blender here."""

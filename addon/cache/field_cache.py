@@ -1,0 +1,241 @@
+"""The field caches: vertex attributes over λ, or over frames, on the artist's own mesh.
+
+    writer = FieldCacheWriter(folder, mesh, lambdas, settings, resume=True)
+    for j in writer.missing():
+        writer.write_sample(j, {"sf_advection": (n, 3) float32, "sf_speed": (n,) float32, ...})
+    writer.finish()                                   # False while other machines still owe samples
+
+    cache = open_cache(folder)                        # InputError: no cache, unfinished, newer schema
+    cache.lambdas, cache.mesh, cache.sample(3)["sf_speed"], cache.at(0.5)["sf_speed"]
+
+What is read is bit for bit what was written, and equal input gives equal files. The layout is in usd.py; what a folder
+promises, in store.py.
+"""
+
+import functools
+import itertools
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..model.errors import InputError
+from ..model.mesh_data import MeshData
+from ..model.polygons import Polygons
+from . import usd
+from .layout import CLIPS, MANIFEST, MESH, STAGE
+from .manifest import Manifest, read_manifest
+from .plan import MeshIdentity, Plan
+from .store import CacheStore, sha256
+
+Attributes = Mapping[str, np.ndarray]
+
+
+class _Writer:
+    """What both caches share: the samples' shape is checked, files go through the store."""
+
+    def __init__(
+        self,
+        folder: str | os.PathLike,
+        mesh: MeshData,
+        axis: str,
+        times: Sequence[float],
+        settings: Mapping[str, Any],
+        *,
+        polygons: Polygons | None,
+        resume: bool,
+        replace: bool,
+    ):
+        if len(times) == 0:
+            raise InputError(f"a cache over {axis} needs at least one sample")
+        if any(not a < b for a, b in itertools.pairwise(times)):
+            raise InputError(f"the samples of a cache over {axis} must increase")
+        self._mesh = mesh
+        self._polygons = polygons
+        self._plan = Plan("usd", axis, tuple(times), MeshIdentity.of(mesh), settings)
+        self._time_codes = self._plan.time_codes
+        self._store = CacheStore(folder, self._plan, resume=resume, replace=replace)
+
+    @property
+    def folder(self) -> Path:
+        return self._store.folder
+
+    @property
+    def stage_path(self) -> Path:
+        """The file for Blender's Mesh Sequence Cache, complete after finish()."""
+        return self.folder / STAGE
+
+    def missing(self, among: Iterable[int] | None = None) -> list[int]:
+        """Samples (of those `among`) still to write, in order."""
+        return self._store.missing(among)
+
+    def write_sample(self, index: int, attributes: Attributes) -> None:
+        """Arrays per attribute: (n, 3) or (n,), a row per vertex, finite, stored as float32; or integers (f,), one per
+        polygon."""
+        for name, values in attributes.items():
+            self._check(index, name, values)
+        self._store.write(index, lambda path: usd.write_sample(path, self._time_codes[index], attributes))
+
+    def finish(self) -> bool:
+        """Writes what joins the samples, then the manifest. False while samples are missing."""
+        mesh = self._mesh
+
+        @functools.cache
+        def first() -> Attributes:
+            return usd.read_sample(self.folder / self._plan.names[0])
+
+        return self._store.finish(
+            {
+                MESH: lambda path: usd.write_mesh(path, mesh.vertices, mesh.triangles, self._polygons),
+                CLIPS: lambda path: usd.write_clips(path, first()),
+                STAGE: lambda path: usd.write_stage(path, self._plan.names, self._time_codes, first()),
+            }
+        )
+
+    def _check(self, index: int, name: str, values: np.ndarray) -> None:
+        count = len(self._mesh.vertices)
+        if usd.per_polygon(values):
+            faces = len(self._mesh.triangles if self._polygons is None else self._polygons.counts)
+            if values.shape != (faces,):
+                raise InputError(f"{name} of sample {index} has shape {values.shape}; the mesh has {faces} polygons")
+            return
+        if values.shape not in ((count,), (count, 3)):
+            raise InputError(f"{name} of sample {index} has shape {values.shape}; the mesh has {count} vertices")
+        if not np.isfinite(values).all():
+            bad = np.flatnonzero(~np.isfinite(values.reshape(count, -1)).all(axis=1))
+            raise InputError(f"{name} of sample {index} is not finite at vertex {bad[0]}")
+
+
+class FieldCacheWriter(_Writer):
+    """Writes a λ cache: lambdas strictly increasing in 0..1, samples/lam_0000.usdc and so on.
+
+    settings: JSON of all that decides the samples (the design); a resumed bake must have the same.
+    polygons: the artist's own faces (see usd.py); the triangles of the mesh when None.
+    resume, replace: see CacheStore.
+    """
+
+    def __init__(
+        self,
+        folder: str | os.PathLike,
+        mesh: MeshData,
+        lambdas: Sequence[float],
+        settings: Mapping[str, Any],
+        *,
+        polygons: Polygons | None = None,
+        resume: bool = False,
+        replace: bool = False,
+    ):
+        times = [float(lam) for lam in lambdas]
+        if any(not 0.0 <= lam <= 1.0 for lam in times):
+            raise InputError("the samples of a λ cache must lie in 0..1")
+        super().__init__(folder, mesh, "lambda", times, settings, polygons=polygons, resume=resume, replace=replace)
+
+
+class FrameCacheWriter(_Writer):
+    """Writes a frame cache: frames increasing integers, frames/frame_0001.usdc and so on. Arguments as above.
+
+    `frames` are all frames of the bake; a machine that bakes a part of them writes those samples only.
+    """
+
+    def __init__(
+        self,
+        folder: str | os.PathLike,
+        mesh: MeshData,
+        frames: Sequence[int],
+        settings: Mapping[str, Any],
+        *,
+        polygons: Polygons | None = None,
+        resume: bool = False,
+        replace: bool = False,
+    ):
+        times = [int(frame) for frame in frames]
+        super().__init__(folder, mesh, "frame", times, settings, polygons=polygons, resume=resume, replace=replace)
+
+
+class FieldCache:
+    """A finished cache, read lazily. Every sample is checked against the manifest when it is read."""
+
+    def __init__(self, folder: Path, manifest: Manifest):
+        self.folder = folder
+        self.manifest = manifest
+        self._mesh: MeshData | None = None
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        return self.manifest.plan.settings
+
+    @property
+    def times(self) -> np.ndarray:
+        """λ of every sample, or its frame."""
+        return np.array(self.manifest.plan.times, np.float64)
+
+    @property
+    def lambdas(self) -> np.ndarray:
+        if self.manifest.plan.axis != "lambda":
+            raise InputError(f"{self.folder}: is a cache over frames, not over λ; name the λ cache")
+        return self.times
+
+    @property
+    def frames(self) -> np.ndarray:
+        if self.manifest.plan.axis != "frame":
+            raise InputError(f"{self.folder}: is a cache over λ, not over frames; name the frame cache")
+        return self.times.astype(np.int64)
+
+    @property
+    def mesh(self) -> MeshData:
+        if self._mesh is None:
+            vertices, triangles = usd.read_mesh(self._file(MESH))
+            self._mesh = MeshData(vertices, triangles)
+        return self._mesh
+
+    def check_mesh(self, mesh: MeshData) -> None:
+        """Raises InputError when the cache belongs to another mesh."""
+        own = self.manifest.plan.mesh
+        if MeshIdentity.of(mesh) != own:
+            raise InputError(
+                f"{self.folder}: is the cache of another mesh ({own.vertices} vertices, {own.faces} triangles); "
+                f"this one has {len(mesh.vertices)} and {len(mesh.triangles)}, or another shape: solve it again"
+            )
+
+    def sample(self, index: int) -> dict[str, np.ndarray]:
+        """Attributes of one sample, float32 per vertex, int32 per polygon."""
+        return usd.read_sample(self._file(self.manifest.plan.names[index]))
+
+    def at(self, time: float) -> dict[str, np.ndarray]:
+        """Attributes at λ (or a frame), constant outside, between samples linear; integers as in the sample before."""
+        times = self.times
+        j = int(np.clip(np.searchsorted(times, time, side="right") - 1, 0, len(times) - 1))
+        if j == len(times) - 1 or time <= times[j]:
+            return self.sample(j)
+        weight = np.float32((time - times[j]) / (times[j + 1] - times[j]))
+        before, after = self.sample(j), self.sample(j + 1)
+        return {
+            name: old if usd.per_polygon(old) else old + weight * (after[name] - old) for name, old in before.items()
+        }
+
+    def values(self, attribute: str) -> np.ndarray:
+        """All samples of one attribute: (s, n, 3) or (s, n)."""
+        return np.stack([self.sample(j)[attribute] for j in range(len(self.manifest.plan.times))])
+
+    def _file(self, name: str) -> Path:
+        path = self.folder / name
+        if not path.is_file():
+            raise InputError(f"{path}: is missing; resume the bake to write it again")
+        if sha256(path) != self.manifest.files[name]:
+            raise InputError(f"{path}: is damaged (its checksum differs from the manifest); resume the bake")
+        return path
+
+
+def open_cache(folder: str | os.PathLike) -> FieldCache:
+    """The finished USD cache of a folder (or of its field.usda)."""
+    folder = Path(folder)
+    if folder.suffix == ".usda":
+        folder = folder.parent
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder; solve or bake first")
+    manifest = read_manifest(folder / MANIFEST)
+    if manifest.plan.target != "usd":
+        raise InputError(f"{folder}: holds {manifest.plan.target} files; name the folder of the λ or frame cache")
+    return FieldCache(folder, manifest)

@@ -1,0 +1,42 @@
+"""Between the solver's fields and the attributes of a cache."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from .. import native
+from ..model.mesh_data import MeshData
+from .field_cache import FieldCache
+from .rotation import rotation
+
+ORIENTATION, ADVECTION, SPEED, STREAM = "sf_orientation", "sf_advection", "sf_speed", "sf_stream"
+ROTATION = "sf_rotation"
+#: What a λ cache holds.
+ATTRIBUTES = (ORIENTATION, ADVECTION, SPEED, STREAM, ROTATION)
+#: Attribute of each of the two fields.
+ATTRIBUTE = {"orientation": ORIENTATION, "advection": ADVECTION}
+
+
+def attributes_of(solution, stream: np.ndarray, index: int) -> dict[str, np.ndarray]:
+    """The vertex attributes of one sample of a Solution, float32; stream: (s, n), of its advection field."""
+    vectors = {attribute: solution.fields[name].sample(index).to_space() for name, attribute in ATTRIBUTE.items()}
+    speed = np.linalg.norm(vectors[ADVECTION], axis=1)
+    mesh = solution.fields["advection"].mesh
+    turning = rotation(mesh.vertices, mesh.triangles, vectors[ADVECTION])
+    attributes = {**vectors, SPEED: speed, STREAM: stream[index], ROTATION: turning}
+    return {name: np.asarray(values, np.float32) for name, values in attributes.items()}
+
+
+def native_mesh(mesh: MeshData):
+    return native.TriangleMesh(mesh.vertices, mesh.triangles)
+
+
+def field_at(attributes: Mapping[str, np.ndarray], attribute: str, mesh):
+    """One vector attribute of a sample as native.VectorField on the native mesh."""
+    return native.VectorField.from_space(mesh, attributes[attribute].astype(np.float64))
+
+
+def parameterized(cache: FieldCache, attribute: str, mesh):
+    """A vector attribute of a λ cache as native.ParameterizedField on the native mesh."""
+    values = mesh.to_tangent(cache.values(attribute).astype(np.float64))
+    return native.ParameterizedField(mesh, cache.lambdas, values)

@@ -1,0 +1,12 @@
+"""Names of the files and prims of a cache, and its time codes: usd.py explains the layout."""
+
+#: Prims of the stage.
+ROOT = "/stormfield"
+PRIM = "/stormfield/mesh"
+#: The file that Blender opens, and those it is made of.
+STAGE, MESH, CLIPS = "field.usda", "mesh.usdc", "clips.usda"
+#: The manifest of a finished cache, and the plan of a bake in progress.
+MANIFEST, PLAN = "manifest.json", "plan.json"
+#: USD time codes per unit of λ; per frame there is one.
+TIME_CODES_PER_LAMBDA = 1000.0
+TIME_CODES_PER_SECOND = 24.0

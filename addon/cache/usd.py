@@ -1,0 +1,206 @@
+"""USD files of a field cache, and the only place that decides where `pxr` comes from.
+
+Layout of a cache (names relative to its folder; the λ cache, the frame cache in brackets):
+
+    mesh.usdc                 /stormfield/mesh: points and the artist's own polygons, constant
+    samples/lam_0000.usdc     one time sample of every attribute, as primvars   [frames/frame_0001.usdc]
+    clips.usda                declares the attributes for the value clips
+    field.usda                mesh.usdc as sublayer, and value clips that join the samples; open this one
+
+Time codes are λ · 1000 [the frame]; between samples USD interpolates linearly. Integers belong to polygons and keep
+the value of the sample before; everything else belongs to vertices.
+
+Attaching a cache to the artist's object in Blender (4.5 and 5.2; tests/python/test_bake_blender.py does exactly this):
+
+    bpy.ops.cachefile.open(filepath=str(folder / "field.usda"))              # cache_file: the new one in
+    cache_file = ...                                                         # bpy.data.cache_files, found by difference
+    modifier = object.modifiers.new("Stormfield", "MESH_SEQUENCE_CACHE")     # before every other modifier
+    modifier.cache_file = cache_file
+    modifier.object_path = "/stormfield/mesh"
+    modifier.read_data = {"ATTRIBUTES"}
+    λ cache:      cache_file.override_frame = True, and a driver on cache_file.frame: λ · 1000
+                  (a plain expression such as "lam * 1000" runs without the permission to run scripts)
+    frame cache:  cache_file.override_frame = False (it follows the scene's frame)
+    after a new bake into the same folder: cache_file.filepath = cache_file.filepath (rereads the file)
+
+Two modifiers with two cache files may follow each other. Blender takes the attributes onto the object's own mesh only
+while the counts of vertices, polygons and corners are those of the cached mesh; else it replaces the mesh. Write the
+artist's polygons, therefore, not their triangles: MeshData alone does not know them, `Polygons` does.
+"""
+
+import errno
+import importlib
+import importlib.util
+import os
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from ..model.errors import InputError
+from ..model.polygons import Polygons
+from .layout import CLIPS, MESH, PRIM, ROOT, TIME_CODES_PER_SECOND
+
+Attributes = Mapping[str, np.ndarray]
+
+
+@cache
+def usd() -> SimpleNamespace:
+    """The modules of pxr: Blender's own where bpy is installed (two USDs in one process may crash), else usd-core's."""
+    if sys.modules.get("bpy") or importlib.util.find_spec("bpy"):
+        bpy = importlib.import_module("bpy")
+        if "pxr" not in sys.modules and hasattr(bpy.utils, "expose_bundled_modules"):
+            bpy.utils.expose_bundled_modules()
+    try:
+        from pxr import Sdf, Tf, Usd, UsdGeom, Vt
+    except ImportError as error:
+        raise InputError(f"no USD for Python here ({error}); install usd-core, or run inside Blender") from error
+    return SimpleNamespace(Sdf=Sdf, Tf=Tf, Usd=Usd, UsdGeom=UsdGeom, Vt=Vt)
+
+
+def write_sample(path: Path, time_code: float, attributes: Attributes) -> None:
+    """One time sample of every attribute: float32 (n, 3) or (n,) per vertex, int32 (f,) per polygon. Equal input gives
+    equal bytes."""
+    pxr = usd()
+    layer, stage = _new_stage(".usdc")
+    primvars = pxr.UsdGeom.PrimvarsAPI(stage.OverridePrim(PRIM))
+    for name, values in sorted(attributes.items()):
+        primvar = _declared(primvars, name, values)
+        if per_polygon(values):
+            array = pxr.Vt.IntArray.FromNumpy(np.ascontiguousarray(values, np.int32))
+        else:
+            kind = pxr.Vt.Vec3fArray if values.ndim == 2 else pxr.Vt.FloatArray
+            array = kind.FromNumpy(np.ascontiguousarray(values, np.float32))
+        primvar.Set(array, time_code)
+    _export(layer, path)
+
+
+def read_sample(path: Path) -> dict[str, np.ndarray]:
+    """The attributes of one sample file, bit for bit."""
+    stage = _open(path)
+    attributes = {}
+    for primvar in usd().UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(PRIM)).GetPrimvars():
+        times = primvar.GetTimeSamples()
+        if times:
+            kind = np.int32 if primvar.GetTypeName() == usd().Sdf.ValueTypeNames.IntArray else np.float32
+            attributes[primvar.GetPrimvarName()] = np.array(primvar.Get(times[0]), kind)
+    return attributes
+
+
+def write_mesh(path: Path, vertices: np.ndarray, triangles: np.ndarray, polygons: Polygons | None = None) -> None:
+    """The mesh of the cache. Vertices that float32 cannot hold are kept in double beside the points."""
+    pxr = usd()
+    layer, stage = _new_stage(".usdc")
+    stage.DefinePrim(ROOT, "Scope")
+    mesh = pxr.UsdGeom.Mesh.Define(stage, PRIM)
+    points = np.ascontiguousarray(vertices, np.float32)
+    faces = polygons or Polygons.of_triangles(triangles)
+    mesh.CreatePointsAttr(pxr.Vt.Vec3fArray.FromNumpy(points))
+    mesh.CreateFaceVertexCountsAttr(pxr.Vt.IntArray.FromNumpy(np.ascontiguousarray(faces.counts, np.int32)))
+    mesh.CreateFaceVertexIndicesAttr(pxr.Vt.IntArray.FromNumpy(np.ascontiguousarray(faces.indices, np.int32)))
+    mesh.CreateSubdivisionSchemeAttr(pxr.UsdGeom.Tokens.none)
+    prim, names = mesh.GetPrim(), pxr.Sdf.ValueTypeNames
+    corners = np.ascontiguousarray(triangles, np.int32)
+    prim.CreateAttribute("stormfield:triangles", names.Int3Array).Set(pxr.Vt.Vec3iArray.FromNumpy(corners))
+    if not np.array_equal(points.astype(np.float64), vertices):
+        exact = np.ascontiguousarray(vertices, np.float64)
+        prim.CreateAttribute("stormfield:vertices", names.Double3Array).Set(pxr.Vt.Vec3dArray.FromNumpy(exact))
+    _export(layer, path)
+
+
+def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) float64 and triangles (m, 3) int32, bit for bit."""
+    stage = _open(path)
+    prim = stage.GetPrimAtPath(PRIM)
+    exact = prim.GetAttribute("stormfield:vertices").Get()
+    points = exact if exact is not None else prim.GetAttribute("points").Get()
+    triangles = prim.GetAttribute("stormfield:triangles").Get()
+    return np.array(points, np.float64).reshape(-1, 3), np.array(triangles, np.int32).reshape(-1, 3)
+
+
+def write_clips(path: Path, attributes: Attributes) -> None:
+    """The clip manifest: which attributes have time samples."""
+    pxr = usd()
+    layer, stage = _new_stage(".usda")
+    primvars = pxr.UsdGeom.PrimvarsAPI(stage.OverridePrim(PRIM))
+    for name, values in sorted(attributes.items()):
+        _declared(primvars, name, values)
+    _export(layer, path)
+
+
+def write_stage(path: Path, names: Sequence[str], times: Sequence[float], attributes: Attributes) -> None:
+    """STAGE: the mesh, and the samples of files `names` at time codes `times` (increasing)."""
+    pxr = usd()
+    layer, stage = _new_stage(".usda")
+    pxr.UsdGeom.SetStageUpAxis(stage, pxr.UsdGeom.Tokens.z)
+    pxr.UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    stage.SetTimeCodesPerSecond(TIME_CODES_PER_SECOND)
+    stage.SetStartTimeCode(times[0])
+    stage.SetEndTimeCode(times[-1])
+    stage.SetDefaultPrim(stage.OverridePrim(ROOT))
+    prim = stage.OverridePrim(PRIM)
+    primvars = pxr.UsdGeom.PrimvarsAPI(prim)
+    for name, values in sorted(attributes.items()):
+        _declared(primvars, name, values)
+    clips = pxr.Usd.ClipsAPI(prim)
+    clips.SetClipPrimPath(PRIM)
+    clips.SetClipManifestAssetPath(pxr.Sdf.AssetPath(f"./{CLIPS}"))
+    clips.SetClipAssetPaths([pxr.Sdf.AssetPath(f"./{name}") for name in names])
+    clips.SetClipActive([(time, float(j)) for j, time in enumerate(times)])
+    clips.SetClipTimes([(time, time) for time in times])
+    del clips, primvars, prim, stage  # a stage would look for the sublayer at once
+    layer.subLayerPaths.append(f"./{MESH}")
+    _export(layer, path)
+
+
+# Steps ----------------------------------------------------------------------------------------------------------------
+
+
+def per_polygon(values: np.ndarray) -> bool:
+    """Whether an attribute has a value for each polygon, and not for each vertex: integers do."""
+    return values.dtype.kind == "i"
+
+
+def _declared(primvars, name: str, values: np.ndarray):
+    """A new primvar for such values."""
+    names, tokens = usd().Sdf.ValueTypeNames, usd().UsdGeom.Tokens
+    if per_polygon(values):
+        return primvars.CreatePrimvar(name, names.IntArray, tokens.uniform)
+    return primvars.CreatePrimvar(name, names.Float3Array if values.ndim == 2 else names.FloatArray, tokens.vertex)
+
+
+def _new_stage(extension: str):
+    pxr = usd()
+    layer = pxr.Sdf.Layer.CreateAnonymous(extension)
+    return layer, pxr.Usd.Stage.Open(layer)
+
+
+def _open(path: Path):
+    """A stage of its own, never one that USD keeps in memory from before the file was replaced."""
+    pxr = usd()
+    try:
+        return pxr.Usd.Stage.Open(pxr.Sdf.Layer.OpenAsAnonymous(str(path)))
+    except pxr.Tf.ErrorException as error:
+        raise InputError(f"{path}: cannot be read as USD; the file is damaged, bake again") from error
+
+
+def _export(layer, path: Path) -> None:
+    with _system_errors(path):
+        layer.Export(str(path))
+
+
+@contextmanager
+def _system_errors(path: Path) -> Iterator[None]:
+    """USD reports faults of the disk as text; turns them back into the OSError they were."""
+    try:
+        yield
+    except usd().Tf.ErrorException as error:
+        message = str(error)
+        for code in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EACCES, errno.EROFS, errno.EPERM):
+            if os.strerror(code) in message:
+                raise OSError(code, os.strerror(code), str(path)) from error
+        raise OSError(errno.EIO, f"USD could not write it ({message.strip().splitlines()[-1]})", str(path)) from error

@@ -1,0 +1,1 @@
+"""Pictures of an analysis for papers and reports, drawn by matplotlib. No Blender here."""

@@ -1,0 +1,1 @@
+"""The Blender scene: read into plain data, written from plain data, and node trees built from expressions."""

@@ -1,0 +1,1 @@
+"""Node trees: the builder, and the trees that are no materials."""

@@ -1,0 +1,67 @@
+"""An EntityGraph as a node tree: one node per entity in three rows, one link per link of the graph.
+
+The classes of tree and node are in ui/graph_editor.py, which draws the links itself, from row to row: the sockets stay
+hidden. Making a graph again replaces nodes and links and keeps the tree, so that editors that show it stay open.
+"""
+
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...analysis.colours import KIND_COLOURS
+from ...analysis.entities import Entity, EntityGraph
+from ...analysis.layout import layout
+
+TREE, NODE = "StormfieldGraph", "StormfieldEntity"
+#: Width of a node, distance of neighbours, and of rows: at least, and as a part of the graph's width.
+WIDTH, STEP = 70.0, 88.0
+ROW, SLANT = 120.0, 0.12
+
+
+def tree_of(obj: bpy.types.Object, which: str) -> bpy.types.NodeTree | None:
+    """The node tree of an object's "ecg" or "mcg", if it was made. That of the object it was copied from is not its."""
+    tree = getattr(obj.stormfield.analysis, f"{which}_tree", None)
+    return tree if tree is not None and tree.owner == obj else None
+
+
+def show_graph(obj: bpy.types.Object, which: str, graph: EntityGraph) -> bpy.types.NodeTree:
+    """Make or replace the node tree of an object's graph. Raises RuntimeError where igraph is missing."""
+    drawn = layout(graph)
+    tree: Any = tree_of(obj, which) or bpy.data.node_groups.new(f"{obj.name} {which.upper()}", TREE)
+    setattr(obj.stormfield.analysis, f"{which}_tree", tree)
+    tree.owner, tree.which, tree.title = obj, which, graph.title
+    tree.nodes.clear()
+    tree.routes.clear()
+    scale = np.array([STEP, max(ROW, SLANT * STEP * drawn.width)])
+    tree.row = scale[1]
+    nodes = [
+        _new_node(tree, entity, place) for entity, place in zip(graph.entities, drawn.positions * scale, strict=True)
+    ]
+    for link, route in zip(graph.links, drawn.routes, strict=True):
+        tree.links.new(nodes[link.target].inputs[0], nodes[link.source].outputs[0])
+        item = tree.routes.add()
+        item.source, item.target = nodes[link.source].name, nodes[link.target].name
+        if len(route) == 3:
+            item.bends, item.bend = True, route[1] * scale
+    return tree
+
+
+def _new_node(tree: bpy.types.NodeTree, entity: Entity, place: np.ndarray) -> bpy.types.Node:
+    node = tree.nodes.new(NODE)
+    node.name, node.entity, node.kind = entity.name, entity.id, entity.kind
+    node.label = entity.name
+    node.width = WIDTH
+    node.hide = True  # a pill with the entity's name
+    node.location = place - (0.5 * WIDTH, 0.0)
+    node.use_custom_color, node.color = True, KIND_COLOURS.get(entity.kind, KIND_COLOURS["other"])
+    node.select = False
+    return node
+
+
+def select_node(tree: bpy.types.NodeTree, entity: int) -> None:
+    """Make one entity's node the selected and active one; none where there is no such entity."""
+    for node in tree.nodes:
+        node.select = node.entity == entity
+        if node.select:
+            tree.nodes.active = node

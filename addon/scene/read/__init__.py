@@ -1,0 +1,1 @@
+"""Blender → plain data: the only place where the pipeline reads a scene."""

@@ -1,0 +1,24 @@
+"""Which caches an object shows.
+
+The Mesh Sequence Cache modifiers are the only record of where the caches are, so a path can be stale in one place only.
+"""
+
+from pathlib import Path
+
+import bpy
+
+#: Names of the modifiers.
+LAMBDA = "Stormfield λ"
+FRAMES = "Stormfield Flow"
+MORSE = "Stormfield Morse Sets"
+#: All of them, in the order they have on the object; and those that follow λ.
+NAMES = (LAMBDA, FRAMES, MORSE)
+OVER_LAMBDA = (LAMBDA, MORSE)
+
+
+def attached_folder(obj: bpy.types.Object, name: str) -> Path | None:
+    """The folder of the cache that modifier `name` shows, if there is one."""
+    modifier = obj.modifiers.get(name)
+    if modifier is None or modifier.type != "MESH_SEQUENCE_CACHE" or modifier.cache_file is None:
+        return None
+    return Path(bpy.path.abspath(modifier.cache_file.filepath)).parent

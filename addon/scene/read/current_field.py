@@ -1,0 +1,65 @@
+"""The field as the artist sees it now, and the cache of all λ, for analyses.
+
+Values are those of the attribute on the evaluated mesh; where later modifiers have changed its vertices, those of the λ
+cache at the current λ. Both belong to the vertices of the object's own mesh.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...cache.field_cache import FieldCache, open_cache
+from ...model.errors import InputError
+from ...model.mesh_data import MeshData
+from .attached import LAMBDA, attached_folder
+from .mesh import read_mesh
+
+
+@dataclass(frozen=True, eq=False)
+class CurrentField:
+    mesh: MeshData
+    values: np.ndarray  #: (n, 3) float64 at the vertices, mesh units per second
+    lam: float
+    attribute: str
+
+
+def why_no_field(obj: bpy.types.Object) -> str:
+    """Why there is nothing to analyze, and the cure; empty when there is. Quick enough for panels."""
+    if obj.mode == "EDIT":
+        return "Leave Edit Mode first"
+    if attached_folder(obj, LAMBDA) is None and obj.stormfield.look.shown_field not in obj.data.attributes:
+        return "Solve first: there is no field on the mesh yet"
+    return ""
+
+
+def read_current(context: bpy.types.Context, obj: bpy.types.Object) -> CurrentField:
+    """Raises InputError where there is no field, or where modifiers have changed the mesh and there is no cache."""
+    attribute, mesh = obj.stormfield.look.shown_field, read_mesh(obj)
+    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+    lam = evaluated.stormfield.lam
+    for carrier in (evaluated.data, obj.data):
+        found = carrier.attributes.get(attribute)
+        fits = len(carrier.vertices) == len(mesh.vertices)
+        if found is not None and fits and (found.domain, found.data_type) == ("POINT", "FLOAT_VECTOR"):
+            values = np.empty(len(mesh.vertices) * 3, np.float32)
+            found.data.foreach_get("vector", values)
+            return CurrentField(mesh, values.reshape(-1, 3).astype(np.float64), lam, attribute)
+    if attached_folder(obj, LAMBDA) is None:
+        raise InputError(
+            f"'{obj.name}' carries no {attribute} on its own vertices; solve first, or apply the modifiers "
+            "that change the mesh"
+        )
+    cache = cache_of(obj, mesh)
+    return CurrentField(mesh, cache.at(lam)[attribute].astype(np.float64), lam, attribute)
+
+
+def cache_of(obj: bpy.types.Object, mesh: MeshData) -> FieldCache:
+    """The λ cache that the object shows. Raises InputError: none, unfinished, of another mesh."""
+    folder = attached_folder(obj, LAMBDA)
+    if folder is None:
+        raise InputError("there is no λ cache; solve first")
+    cache = open_cache(Path(folder))
+    cache.check_mesh(mesh)
+    return cache

@@ -1,0 +1,163 @@
+"""A scene's field → `MeshData` and `Design`: curves, empties and their animation in the mesh's object space.
+
+Things that stand still are read at the current frame. Elements "from animation" are read at every frame between the
+first and the last key of λ, and each place counts at that frame's λ; the scene is put back to its frame afterwards.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...model.design import Design, Element, SolveSettings, Vector
+from ...model.errors import InputError
+from ...model.mesh_data import MeshData
+from .curves import read_polylines
+from .lambda_keys import lambda_at_frames, lambda_frames, lambda_per_second
+from .mesh import read_mesh
+
+#: Most places that are read of an animated curve, which changes as a whole.
+MAX_CURVES = 24
+
+
+@dataclass(frozen=True)
+class _Place:
+    """What one source object says at one moment."""
+
+    lines: tuple[np.ndarray, ...]
+    lam: float
+
+
+def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[MeshData, Design]:
+    """Everything a solve needs. Raises InputError for an element without source, curve or keyframes."""
+    mesh = read_mesh(obj)
+    settings = obj.stormfield.solve
+    wanted = [element for element in obj.stormfield.elements if element.enabled]
+    for element in wanted:
+        if element.source is None:
+            raise InputError(f"Element '{element.name}' has no source; choose a curve or an empty, or turn it off")
+        if element.source == obj:
+            raise InputError(f"Element '{element.name}' has the field's own mesh as source; choose another object")
+    moving = _moving_places(context, obj, [element for element in wanted if element.from_animation])
+    elements: list[Element] = []
+    for element in wanted:
+        places = next(moving) if element.from_animation else [_place(context, obj, element, element.lam_start)]
+        elements.extend(_elements(element, places))
+    return mesh, Design(
+        elements=tuple(elements),
+        settings=SolveSettings(
+            samples=settings.samples,
+            lambda_weight=settings.lambda_weight,
+            even_speed=settings.even_speed,
+            tolerance=settings.tolerance,
+            lambda_per_second=lambda_per_second(context.scene, obj),
+        ),
+    )
+
+
+def _moving_places(context, obj, elements) -> Iterator[list[_Place]]:
+    """For each element its places in the order of λ; the scene is walked through once for all of them."""
+    if not elements:
+        return iter(())
+    places: list[list[_Place]] = [[] for _ in elements]
+    scene = context.scene
+    before = scene.frame_current, scene.frame_subframe
+    frames = lambda_frames(obj)
+    lams = lambda_at_frames(obj, frames)
+    try:
+        highest = -1.0
+        for frame, lam in zip(frames, lams, strict=True):
+            if lam <= highest:  # λ stands still or runs back: this moment was told already
+                continue
+            highest = lam
+            scene.frame_set(frame)
+            for known, element in zip(places, elements, strict=True):
+                known.append(_place(context, obj, element, lam))
+    finally:
+        scene.frame_set(before[0], subframe=before[1])
+    return iter(places)
+
+
+def _place(context, obj, element, lam: float) -> _Place:
+    depsgraph = context.evaluated_depsgraph_get()
+    to_mesh = obj.evaluated_get(depsgraph).matrix_world.inverted_safe()
+    source = element.source
+    if source.type == "EMPTY":
+        return _Place((_empty_line(source, depsgraph, to_mesh, element.radius),), lam)
+    lines = read_polylines(source, depsgraph, to_mesh)
+    if not lines:
+        raise InputError(f"Element '{element.name}': '{source.name}' has no curve yet; draw one, or turn it off")
+    return _Place(tuple(lines), lam)
+
+
+def _empty_line(source, depsgraph, to_mesh: Matrix, radius: float) -> np.ndarray:
+    """The empty's place and a point one radius along its X axis, both in the mesh's space."""
+    matrix = to_mesh @ source.evaluated_get(depsgraph).matrix_world
+    place = np.array(matrix.translation)
+    axis = np.array(matrix.col[0].to_3d().normalized())
+    return np.array([place, place + radius * axis])
+
+
+def _elements(element, places: list[_Place]) -> Iterator[Element]:
+    """The plain elements that one element of the list stands for: one per spline, more where curves are animated."""
+    if element.lam_end < element.lam_start and not element.from_animation:
+        raise InputError(
+            f"Element '{element.name}' ends at λ {element.lam_end:g} before it starts at {element.lam_start:g}; "
+            "exchange the two"
+        )
+    base = Element(
+        name=element.name,
+        type=element.type,
+        kind=element.kind,
+        field=element.field,
+        points=(),
+        strength=element.strength,
+        radius=element.radius,
+        hard=element.hard,
+        angle=element.angle,
+    )
+    whole = (element.lam_start, element.lam_end)
+    is_point = element.source.type == "EMPTY"
+    if is_point and element.type in {"singular", "pathline"}:
+        points = np.array([place.lines[0][0] for place in places])
+        axis = _unit(places[0].lines[0])
+        lam = tuple(place.lam for place in places) if element.from_animation else whole
+        yield replace(base, points=_rows(points), lam=lam, direction=axis)
+        return
+    if element.from_animation:
+        places = places[:: -(-len(places) // MAX_CURVES)]
+    for index, place in enumerate(places):
+        suffix = f" at λ {place.lam:.3f}" if element.from_animation else ""
+        if element.from_animation:
+            whole = (place.lam, places[index + 1].lam if index + 1 < len(places) else place.lam)
+        for number, line in enumerate(place.lines):
+            named = replace(base, name=(base.name if number == 0 else f"{base.name} ({number + 1})") + suffix)
+            if element.type == "regular":
+                yield replace(named, points=_rows(line[:1]), lam=whole, direction=_unit(line))
+            elif element.type in {"singular", "pathline"} and len(line) > 1:
+                yield replace(named, points=_rows(line), lam=_lam_along(line, *whole))
+            else:
+                yield replace(named, points=_rows(line), lam=whole)
+
+
+def _rows(points: np.ndarray) -> tuple[Vector, ...]:
+    return tuple((x, y, z) for x, y, z in points.tolist())
+
+
+def _unit(line: np.ndarray) -> Vector | None:
+    """From the first point to the last."""
+    way = line[-1] - line[0]
+    length = float(np.linalg.norm(way))
+    if length == 0:
+        return None
+    x, y, z = (way / length).tolist()
+    return (x, y, z)
+
+
+def _lam_along(line: np.ndarray, start: float, end: float) -> tuple[float, ...]:
+    """λ of each point: it grows with the way along the curve, from start to end."""
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    part = way / way[-1] if way[-1] > 0 else way
+    return tuple(np.clip(start + (end - start) * part, start, end).tolist())

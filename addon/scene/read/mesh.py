@@ -1,0 +1,51 @@
+"""The object's own mesh (before any modifier) as arrays: one vertex order for the solver, the cache and Blender.
+
+n-gons are cut by Blender's own loop triangles, so vertex attributes map one to one.
+"""
+
+import bpy
+import numpy as np
+
+from ...model.mesh_data import MeshData
+from ...model.polygons import Polygons
+
+
+def read_mesh(obj: bpy.types.Object) -> MeshData:
+    """Vertices in object space, loop triangles and all UV layers of `obj`."""
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    mesh = obj.data
+    vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    triangles, loops = loop_triangles(mesh)
+    return MeshData(
+        vertices=vertices.reshape(-1, 3).astype(np.float64),
+        triangles=triangles,
+        uv_layers={layer.name: _uv(layer, len(mesh.loops))[loops] for layer in mesh.uv_layers},
+    )
+
+
+def read_polygons(obj: bpy.types.Object) -> Polygons:
+    """The n-gons of `obj`."""
+    mesh = obj.data
+    counts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_total", counts)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return Polygons(counts, corners)
+
+
+def loop_triangles(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """The vertices and the loops of every triangle, both (m, 3) int32."""
+    mesh.calc_loop_triangles()
+    triangles = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
+    loops = np.empty_like(triangles)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    mesh.loop_triangles.foreach_get("loops", loops)
+    return triangles.reshape(-1, 3), loops.reshape(-1, 3)
+
+
+def _uv(layer: bpy.types.MeshUVLoopLayer, loop_count: int) -> np.ndarray:
+    uv = np.empty(loop_count * 2, dtype=np.float32)
+    layer.uv.foreach_get("vector", uv)
+    return uv.reshape(-1, 2)

@@ -1,0 +1,1 @@
+"""Plain data → Blender: modifiers, objects, attributes, lists and timeline markers."""

@@ -1,0 +1,54 @@
+"""Bifurcations as timeline markers, at the frames where the keyframed λ passes them.
+
+Only markers that an earlier call made are replaced; the object's analysis remembers their names and frames. A marker
+that was renamed or moved belongs to the artist.
+"""
+
+import json
+
+import bpy
+
+from ..read.lambda_keys import passages
+from ..read.results import EVENT_KINDS
+
+_BACKWARDS = {"creation": "annihilation", "annihilation": "creation"}
+
+
+def marker_name(kind: str, node: str, lam: float, forward: bool = True) -> str:
+    """What happens, in the direction in which λ runs: "λ 0.42 saddle + sink annihilate"."""
+    if kind == "hopf":
+        other = {"source": "sink", "sink": "source"}.get(node, node)
+        return f"λ {lam:.2f} becomes {node if forward else other}"
+    happens = kind if forward else _BACKWARDS[kind]
+    return f"λ {lam:.2f} saddle + {node} {'appear' if happens == 'creation' else 'annihilate'}"
+
+
+def update_markers(obj: bpy.types.Object) -> int:
+    """Markers of all bifurcations that the filters of the list let through, instead of earlier ones; their number."""
+    scene = next(iter(obj.users_scene), None)
+    if scene is None:
+        return 0
+    remove_markers(obj)
+    history = obj.stormfield.analysis.history
+    events = [item for item in history.items if item.kind in EVENT_KINDS]
+    events = [item for item in events if history.passes(item)]
+    made = []
+    for item, places in zip(events, passages(obj, [item.lam for item in events]), strict=True):
+        for frame, forward in places:
+            marker = scene.timeline_markers.new(marker_name(item.kind, item.row, item.lam, forward), frame=frame)
+            made.append((marker.name, frame))
+    obj.stormfield.analysis.markers = json.dumps(made, ensure_ascii=False)
+    return len(made)
+
+
+def remove_markers(obj: bpy.types.Object) -> None:
+    text = obj.stormfield.analysis.markers
+    if not text:
+        return
+    mine = [(name, frame) for name, frame in json.loads(text)]
+    for scene in obj.users_scene:
+        for marker in list(scene.timeline_markers):
+            if (marker.name, marker.frame) in mine:
+                mine.remove((marker.name, marker.frame))
+                scene.timeline_markers.remove(marker)
+    obj.stormfield.analysis.markers = ""

@@ -1,0 +1,1 @@
+"""State of this Blender session, known by the session uid of its object. Never saved."""

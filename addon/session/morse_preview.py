@@ -1,0 +1,131 @@
+"""Coarse Morse sets, at once, whenever λ or a setting of the Morse panel changes.
+
+The work runs on the core's threads and is watched by a timer; newer wishes stop older work. What is found is drawn and
+never written to the file, so that scrubbing leaves nothing to undo. For speed τ is never longer than the starting value
+that mesh and field suggest.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..analysis.mcg import morse_graph
+from ..analysis.steps import native_field
+from ..scene.read.bake_task import read_morse_settings
+from ..scene.read.current_field import read_current
+from ..scene.write.selection import redraw
+from . import morse_state, running
+
+#: Seconds between two looks at the work, and that a setting must stand still before it begins.
+TICK, PAUSE = 0.03, 0.08
+
+
+@dataclass
+class Preview:
+    sets: np.ndarray  #: (m,) per triangle of the object's mesh, -1 for none
+    kinds: list[str]
+    lam: float
+    version: int
+
+
+@dataclass
+class _Work:
+    job: Any
+    surface: Any
+    lam: float
+
+
+_previews: dict[str, Preview] = {}
+_wishes: set[str] = set()
+_work: dict[str, _Work] = {}
+_count = 0
+
+
+def of(obj: bpy.types.Object) -> Preview | None:
+    return _previews.get(obj.name) if obj.stormfield.morse.live else None
+
+
+def request(obj: bpy.types.Object) -> None:
+    """Make the preview of an object soon. Without a window, at once."""
+    if bpy.app.background:
+        _begin(obj)
+        while _work:
+            _work[obj.name].job.wait()
+            _look()
+        return
+    _wishes.add(obj.name)
+    if not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=PAUSE)
+
+
+def follow(obj: bpy.types.Object) -> None:
+    """Make it again when λ has changed since."""
+    known = _work.get(obj.name) or _previews.get(obj.name)
+    if known is None or abs(known.lam - obj.stormfield.lam) > 1e-6:
+        request(obj)
+
+
+def stop(obj: bpy.types.Object) -> None:
+    _wishes.discard(obj.name)
+    _drop(obj.name)
+    _previews.pop(obj.name, None)
+
+
+def forget() -> None:
+    _wishes.clear()
+    _previews.clear()
+    for name in list(_work):
+        _drop(name)
+
+
+def _drop(name: str) -> None:
+    work = _work.pop(name, None)
+    if work is not None:
+        work.job.cancel()
+
+
+def _tick() -> float | None:
+    for name in list(_wishes):
+        _wishes.discard(name)
+        obj = bpy.data.objects.get(name)
+        if obj is not None and obj.stormfield.morse.live and running.current() is None:
+            _begin(obj)
+    _look()
+    return TICK if _work or _wishes else None
+
+
+def _begin(obj: bpy.types.Object) -> None:
+    from .. import native
+
+    _drop(obj.name)
+    try:
+        field = read_current(bpy.context, obj)
+        surface, values = native_field(field.mesh, field.values)
+        options = read_morse_settings(obj).options()
+        if options["tau"]:
+            options["tau"] = min(options["tau"], native.starting_tau(values, morse_state.UNITS[options["method"]]))
+        job = native.start_morse(values, persistence=False, **options)
+    except (ValueError, RuntimeError, OSError):
+        _previews.pop(obj.name, None)  # no field yet: the panel says why
+        return
+    _work[obj.name] = _Work(job, surface, field.lam)
+
+
+def _look() -> None:
+    """Take over what is done."""
+    global _count
+    for name, work in list(_work.items()):
+        if not work.job.done:
+            continue
+        del _work[name]
+        try:
+            found = work.job.result()
+        except (ValueError, RuntimeError):
+            continue  # the operator tells what is wrong; a preview is silent
+        _count += 1
+        graph = morse_graph(found, work.surface, work.lam)
+        kinds = [entity.kind for entity in graph.entities]
+        _previews[name] = Preview(np.asarray(found.face_sets), kinds, work.lam, _count)
+        redraw()

@@ -1,0 +1,123 @@
+"""The last Morse decomposition of each object in memory, which simplification and refinement go on from.
+
+Never saved: after a file was opened, Morse Sets makes it again. The slider *Simplify* works a moment after it stands
+still, so that dragging stays smooth.
+"""
+
+import itertools
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+
+from .. import native
+from ..analysis.steps import MorseSets, native_field
+from ..model.mesh_data import MeshData
+
+#: What τ is of each method that has one, in the core's words.
+UNITS = {"tau": "time", "spatial": "length"}
+#: Seconds that a slider must stand still before work begins.
+PAUSE = 0.15
+
+
+@dataclass
+class MorseState:
+    found: MorseSets
+    attribute: str
+    serial: int
+
+
+_states: dict[str, MorseState] = {}
+_serials = itertools.count(1)
+
+
+def refine_options(settings, mesh: MeshData, values: np.ndarray) -> dict[str, Any]:
+    """Options of native.start_morse for a refinement of that field as the panel says."""
+    options = {"method": settings.method, "refine": True, "seconds": settings.seconds}
+    if settings.method == "geometry":
+        return {**options, "eps": settings.eps / 100.0, "relative": True, "persistence": settings.persistence}
+    begin = settings.length if settings.method == "spatial" else settings.tau
+    if begin == 0.0:  # below the τ that a single map would take
+        _, field = native_field(mesh, values)
+        begin = 0.5 * native.starting_tau(field, UNITS[settings.method])
+    return {**options, "tau": begin, "tau_max": begin * settings.tau_max}
+
+
+def why_set_stays(obj: bpy.types.Object) -> str:
+    """Why the selected set cannot be refined by itself, and the cure; empty when it can."""
+    state, entities = of(obj), obj.stormfield.analysis.mcg
+    if state is None:
+        return "Make Morse Sets with the method Directions, or Refine, first"
+    if entities.selected() is None:
+        return "Select a Morse set in the list, the graph or the view first"
+    decomposition = state.found.decomposition
+    if decomposition.stop is None and (decomposition.method != "geometry" or decomposition.eps > 0):
+        return "Sets of one τ everywhere, or of Directions with an error, stay as they are; use Refine first"
+    return ""
+
+
+def why_no_simplification(obj: bpy.types.Object) -> str:
+    """Why the shown sets cannot be simplified, and the cure; empty when they can."""
+    state = of(obj)
+    if state is None:
+        return "Make Morse Sets again to simplify or refine them"
+    if state.found.decomposition.method != "geometry":
+        return "Sets of a flow cannot be simplified; make or refine Morse Sets by Directions"
+    return ""
+
+
+def remember(obj: bpy.types.Object, found: MorseSets, attribute: str) -> None:
+    state = MorseState(found, attribute, next(_serials))
+    obj.stormfield.analysis.mcg.serial = state.serial
+    _states[obj.name] = state
+
+
+def of(obj: bpy.types.Object) -> MorseState | None:
+    """What the shown sets were made from; None where undo or another file has brought others back."""
+    state = _states.get(obj.name)
+    return state if state is not None and state.serial == obj.stormfield.analysis.mcg.serial else None
+
+
+def forget() -> None:
+    _states.clear()
+
+
+def simplify_later(obj: bpy.types.Object) -> None:
+    """Called while the slider moves; simplifies once it stands still."""
+    name = obj.name
+    if bpy.app.background:
+        simplify(obj)
+        return
+
+    def work():
+        found = bpy.data.objects.get(name)
+        if found is not None:
+            simplify(found)
+            bpy.ops.ed.undo_push(message="Simplify Morse Sets")
+
+    _after_pause("simplify", work)
+
+
+def simplify(obj: bpy.types.Object) -> bool:
+    """Merge what errors up to the slider's value merge; whether there was something to go on from."""
+    state = of(obj)
+    if state is None or why_no_simplification(obj):
+        return False
+    from ..scene.write import analysis_objects
+
+    simpler = state.found.simplified(obj.stormfield.morse.simplify / 100.0)
+    analysis_objects.show_morse(obj, simpler.graph, simpler.decomposition.face_sets, state.attribute)
+    return True
+
+
+_pending: dict[str, Any] = {}
+
+
+def _after_pause(what: str, work) -> None:
+    """Run `work` after PAUSE without another call for the same thing."""
+    earlier = _pending.pop(what, None)
+    if earlier is not None and bpy.app.timers.is_registered(earlier):
+        bpy.app.timers.unregister(earlier)
+    _pending[what] = work
+    bpy.app.timers.register(work, first_interval=PAUSE)
