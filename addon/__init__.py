@@ -10,9 +10,9 @@ __version__ = version.VERSION
 
 def _modules():
     """The parts with something to register, in the order of their dependence."""
-    from . import handlers, operators, properties, ui
+    from . import handlers, manual, operators, properties, ui
 
-    return (properties, operators, ui, handlers)
+    return (properties, operators, ui, manual, handlers)
 
 
 def register() -> None:

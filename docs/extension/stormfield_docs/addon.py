@@ -84,6 +84,19 @@ def operators() -> dict[str, Operator]:
     return found
 
 
+#: Settings that no panel draws although another group's setting of the same name is drawn.
+HIDDEN = {("EntityList", "lam"), ("EntityList", "shown_field"), ("FieldProperties", "enabled")}
+
+
+def shown(setting: Setting) -> bool:
+    """Whether a panel or list draws it."""
+    # Two panels draw settings whose names they build.
+    built = setting.group == "AnalysisProperties" and setting.name.startswith("show_")
+    built |= (setting.group, setting.name) in {("MorseProperties", "tau"), ("MorseProperties", "length")}
+    hidden = setting.group == "EntityItem" or (setting.group, setting.name) in HIDDEN
+    return built or (setting.name in names_in_panels() and not hidden)
+
+
 @cache
 def names_in_panels() -> frozenset[str]:
     """Properties that a panel, menu or list draws: the NAME of layout.prop(data, NAME) and of its relatives."""
