@@ -55,7 +55,8 @@ def __getattr__(name: str) -> Any:
 
 
 def _import_blender_first() -> None:
-    """The bpy wheel brings a oneTBB newer than the system's; whichever is loaded first serves both."""
+    """The bpy wheel brings a oneTBB newer than the system's; whichever is loaded first serves both
+    (docs/architecture.md, decision 10)."""
     if "bpy" in sys.modules or importlib.util.find_spec("bpy") is None:
         return
     importlib.import_module("bpy")

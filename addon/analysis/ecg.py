@@ -71,8 +71,8 @@ def entity_graph(topology: Any, mesh: Any, lam: float = 0.0) -> EntityGraph:
 
 
 def topology_json(topology: Any, graph: EntityGraph) -> dict[str, Any]:
-    """The entities and links of `stormfield analyze` (DESIGN 5). Links name the places of their ends in entities: the
-    fixed points, then the periodic orbits."""
+    """The entities and links of `stormfield analyze` (docs/formats.md). Links name the places of their ends in
+    entities: the fixed points, then the periodic orbits."""
     points, orbits = topology.fixed_points, topology.periodic_orbits
     inside = sum(int(point.index) for point in points)
     boundary = sum(float(point.index) for point in topology.boundary_points)

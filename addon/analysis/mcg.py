@@ -73,7 +73,7 @@ def letter_of(morse_set: Any) -> str:
 
 
 def morse_json(decomposition: Any, graph: EntityGraph) -> dict[str, Any]:
-    """morse_sets, edges and map_edges of `stormfield morse` (DESIGN 5)."""
+    """morse_sets, edges and map_edges of `stormfield morse` (docs/formats.md)."""
     return {
         "method": str(decomposition.method),
         "tau": _number(decomposition.tau),

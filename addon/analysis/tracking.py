@@ -149,7 +149,7 @@ def _path(i: int, path: Any) -> TrackedPath:
 
 
 def to_json(tracking: Tracking) -> dict[str, Sequence[Any]]:
-    """The paths and bifurcations of `stormfield track` as plain JSON values (DESIGN 5)."""
+    """The paths and bifurcations of `stormfield track` as plain JSON values (docs/formats.md)."""
     return {
         "paths": [
             {

@@ -1,4 +1,5 @@
-"""The field caches: vertex attributes over λ, or over frames, on the artist's own mesh.
+"""The field caches: vertex attributes over λ, or over frames, on the artist's own mesh
+(docs/architecture.md, decisions 6 and 7).
 
     writer = FieldCacheWriter(folder, mesh, lambdas, settings, resume=True)
     for j in writer.missing():

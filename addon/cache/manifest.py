@@ -1,6 +1,6 @@
 """The manifest that certifies a cache: its plan, and the SHA-256 of every file.
 
-It is the last file that a bake writes: where it is, the cache is whole.
+It is the last file that a bake writes: where it is, the cache is whole (docs/architecture.md, decision 7).
 """
 
 import json

@@ -1,4 +1,4 @@
-"""A folder of sample files that is never half true.
+"""A folder of sample files that is never half true (docs/architecture.md, decision 7).
 
     store = CacheStore(folder, plan, resume=True)     # refuses a foreign mesh, a newer schema, an unwritable folder
     for j in store.missing():

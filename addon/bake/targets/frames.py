@@ -1,4 +1,5 @@
-"""Texture coordinates that flow, per frame: what the materials read as sf_phase_a, sf_phase_b, sf_blend.
+"""Texture coordinates that flow, per frame: what the materials read as sf_phase_a, sf_phase_b, sf_blend
+(docs/architecture.md, decision 12).
 
 Each phase is the place, in object space, where the material at a vertex was when its cycle began, carried along the
 advection field with λ as keyframed; the core explains the cycles (native/texture/advected_coordinates.h). Shaders blend
