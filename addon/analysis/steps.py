@@ -18,7 +18,7 @@ from ..cache.fields import native_mesh
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from ..work import Step, Steps, result_of
-from . import mcg, tracking
+from . import ecg, mcg, tracking
 from .entities import EntityGraph
 from .tracking import Tracking
 
@@ -28,8 +28,6 @@ READ_ONE, READ = 0.1, 0.4
 
 def ecg_steps(mesh: MeshData, values: np.ndarray, lam: float) -> Steps[EntityGraph]:
     """The entity connection graph of one instantaneous field. values: (n, 3) at the vertices."""
-    from . import ecg
-
     surface, field = yield from field_steps(mesh, values)
     topology = yield from result_of(native.start_topology(field), READ_ONE, "Following separatrices and orbits")
     return ecg.entity_graph(topology, surface, lam)

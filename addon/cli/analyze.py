@@ -1,7 +1,7 @@
 """stormfield analyze FIELD: the topology of the field at one λ."""
 
-from . import cli
 from .field_input import FieldInput, field_command, lam_option
+from .group import cli
 from .progress import progress
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import click
 
 from ..model.errors import InputError
-from . import cli
 from .blender import quiet
+from .group import cli
 from .progress import progress
 
 

@@ -2,8 +2,8 @@
 
 import click
 
-from . import cli
 from .blender import load_core
+from .group import cli
 from .output import Phases, describe_mesh, field_argument, write_json
 
 

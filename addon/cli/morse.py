@@ -4,8 +4,8 @@ from typing import Any
 
 import click
 
-from . import cli
 from .field_input import FieldInput, field_command, lam_option
+from .group import cli
 from .progress import progress
 
 

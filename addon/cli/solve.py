@@ -7,8 +7,8 @@ from typing import Any
 import click
 
 from ..model.errors import InputError
-from . import cli
 from .blender import load_core
+from .group import cli
 from .output import Phases, describe_mesh, write_json
 from .progress import progress
 

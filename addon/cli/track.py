@@ -6,8 +6,8 @@ import click
 import numpy as np
 
 from ..model.errors import InputError
-from . import cli
 from .field_input import FieldInput, field_command
+from .group import cli
 from .progress import progress
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from .. import native
 from ..analysis.colours import KIND_COLOURS
 from ..analysis.entities import EntityGraph
+from ..analysis.layout import layout
 from ..model.errors import InputError
 from .surface_panel import SurfacePanel
 from .view import choose_views
@@ -159,8 +160,6 @@ def _pale(kind: str) -> np.ndarray:
 
 
 def _draw_graph(axis: Any, graph: EntityGraph) -> None:
-    from ..analysis.layout import layout
-
     axis.set_axis_off()
     axis.set_title(graph.title, fontsize=11)
     if not graph.entities:

@@ -5,7 +5,7 @@ import bpy
 from ..analysis.steps import ecg_steps
 from ..scene.read.active_field import active_field
 from ..scene.read.current_field import read_current, why_no_field
-from ..scene.write import analysis_objects
+from ..scene.write import analysis_objects, timeline
 from .job_operator import JobOperator
 
 
@@ -58,8 +58,6 @@ class STORMFIELD_OT_forget_analysis(bpy.types.Operator):
         return made
 
     def execute(self, context):
-        from ..scene.write import timeline
-
         obj = active_field(context)
         timeline.remove_markers(obj)
         analysis_objects.forget(obj)

@@ -4,6 +4,8 @@ from functools import cache
 
 import bpy
 
+from .. import native
+
 
 @cache
 def problem() -> str:
@@ -13,8 +15,6 @@ def problem() -> str:
             "This Blender was built without USD, which brings the field onto the mesh: use the Blender of blender.org"
         )
     try:
-        from .. import native
-
         native.check()
     except ImportError as fault:
         return str(fault)

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..presets import storm_merge
 from .shared import report_fault
 
 
@@ -20,8 +21,6 @@ class STORMFIELD_OT_storm_merge(bpy.types.Operator):
         return True
 
     def execute(self, context):
-        from ..presets import storm_merge
-
         try:
             planet = storm_merge.build(context)
         except ValueError as fault:

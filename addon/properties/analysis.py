@@ -16,6 +16,8 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..scene.write import selection, timeline
+
 #: The three lists, in the order of their tabs: (identifier, label, tooltip, icon, number).
 LISTS = (
     ("ecg", "Now", "Fixed points, periodic orbits and their links at one λ", "NONE", 0),
@@ -40,14 +42,10 @@ def category(kind: str) -> str:
 
 
 def _selected(self, _context) -> None:
-    from ..scene.write import selection
-
     selection.list_changed(self.id_data, self.path_from_id().rsplit(".", 1)[1])
 
 
 def _filtered(self, _context) -> None:
-    from ..scene.write import timeline
-
     if self.path_from_id().endswith("history"):
         timeline.update_markers(self.id_data)
 

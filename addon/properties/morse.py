@@ -3,6 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
+from ..session import morse_preview, morse_state
+
 METHODS = (
     (
         "geometry",
@@ -16,8 +18,6 @@ METHODS = (
 
 
 def _preview(self, _context) -> None:
-    from ..session import morse_preview
-
     if self.live:
         morse_preview.request(self.id_data)
     else:
@@ -25,8 +25,6 @@ def _preview(self, _context) -> None:
 
 
 def _simplify(self, _context) -> None:
-    from ..session import morse_state
-
     morse_state.simplify_later(self.id_data)
 
 

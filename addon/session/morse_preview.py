@@ -11,6 +11,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from .. import native
 from ..analysis.mcg import morse_graph
 from ..analysis.steps import native_field
 from ..scene.read.bake_task import read_morse_settings
@@ -97,8 +98,6 @@ def _tick() -> float | None:
 
 
 def _begin(obj: bpy.types.Object) -> None:
-    from .. import native
-
     _drop(obj.name)
     try:
         field = read_current(bpy.context, obj)

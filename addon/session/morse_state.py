@@ -14,6 +14,7 @@ import numpy as np
 from .. import native
 from ..analysis.steps import MorseSets, native_field
 from ..model.mesh_data import MeshData
+from ..scene.write import analysis_objects
 
 #: What τ is of each method that has one, in the core's words.
 UNITS = {"tau": "time", "spatial": "length"}
@@ -104,8 +105,6 @@ def simplify(obj: bpy.types.Object) -> bool:
     state = of(obj)
     if state is None or why_no_simplification(obj):
         return False
-    from ..scene.write import analysis_objects
-
     simpler = state.found.simplified(obj.stormfield.morse.simplify / 100.0)
     analysis_objects.show_morse(obj, simpler.graph, simpler.decomposition.face_sets, state.attribute)
     return True

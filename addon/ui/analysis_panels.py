@@ -9,8 +9,9 @@ from ..operators.streamlines import STORMFIELD_OT_streamlines
 from ..properties.analysis import CATEGORIES
 from ..scene.nodes import entity_nodes
 from ..scene.read.active_field import active_field
-from . import graph_editor, icons, markers
-from .panels import FieldPanel, draw_progress, hint, text_lines
+from . import graph_editor
+from .entity_details import draw_entity
+from .panel_parts import FieldPanel, draw_progress, hint, text_lines
 
 #: What a list says while it is empty.
 EMPTY = {
@@ -94,33 +95,6 @@ class STORMFIELD_PT_look_analysis(FieldPanel, bpy.types.Panel):
 
 #: Operators that make curves for hair and curve shading.
 CURVES = ((STORMFIELD_OT_streamlines, "OUTLINER_OB_CURVES"), (STORMFIELD_OT_pathlines, "TRACKING"))
-
-
-def draw_entity(context, layout, obj, which: str) -> None:
-    """The selected entity in words; the same below the list and in the graph editor."""
-    entities = obj.stormfield.analysis.list(which)
-    item = entities.selected()
-    if item is None:
-        layout.label(text="Click an entity to see more", icon="RESTRICT_SELECT_OFF")
-        return
-    box = layout.box().column(align=True)
-    kind = "" if item.kind in markers.EVENTS else markers.NAMES.get(item.kind, item.kind.title())
-    box.label(text=f"{item.name}   {kind}", icon_value=icons.of(item.kind))
-    for text in _facts(which, item):
-        text_lines(context, box, text, icon="BLANK1")
-
-
-def _facts(which: str, item) -> list[str]:
-    facts = []
-    if which == "history" and item.lam_end > item.lam_start:
-        facts.append(f"λ {item.lam_start:.3f} to {item.lam_end:.3f}")
-    elif which == "history" and item.kind in markers.EVENTS:
-        facts.append(f"at λ {item.lam:.4f}")
-    if item.faces:
-        facts.append(f"{item.faces} faces")
-    if item.strength > 0 and which != "mcg":
-        facts.append(f"strength {item.strength:.3g} per second")
-    return [*facts, item.note] if item.note else facts
 
 
 def _draw_filters(layout, entities, which: str) -> None:

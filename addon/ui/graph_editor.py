@@ -25,6 +25,7 @@ from ..scene.nodes import entity_nodes
 from ..scene.read.active_field import active_field
 from ..scene.write import selection
 from . import icons
+from .entity_details import draw_entity
 
 #: Height of a node that is folded into a pill, in its tree's units.
 PILL = 20.0
@@ -109,8 +110,6 @@ class STORMFIELD_PT_graph_entity(bpy.types.Panel):
         return tree is not None and tree.bl_idname == entity_nodes.TREE and tree.owner is not None
 
     def draw(self, context):
-        from .analysis_panels import draw_entity
-
         tree = context.space_data.edit_tree
         self.layout.label(text=tree.title, icon="NODETREE")
         draw_entity(context, self.layout, tree.owner, tree.which)

@@ -6,7 +6,7 @@ from ..operators.morse import STORMFIELD_OT_morse_sets
 from ..scene.read.active_field import active_field
 from ..session import morse_state
 from . import drawing_cache
-from .panels import FieldPanel, hint, job_button, text_lines
+from .panel_parts import FieldPanel, hint, job_button, text_lines
 
 
 class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):

@@ -48,7 +48,7 @@ def test_the_zip_holds_the_addon_and_as_wheels_the_core_and_libraries(extension)
     assert {"blender_manifest.toml", "__init__.py", "operators/solve.py", "model/design.schema.json"} <= set(names)
     wheels = sorted(name.split("-")[0] for name in names if name.endswith(".whl"))
     assert wheels == ["wheels/igraph", "wheels/stormfield_native", "wheels/texttable"]
-    assert not [name for name in names if "__pycache__" in name or name.startswith(("cli/", "readers/"))]
+    assert not [name for name in names if "__pycache__" in name or name.startswith(("cli/", "figures/", "readers/"))]
 
 
 def test_versions_agree():
