@@ -59,9 +59,10 @@ ADDON = {
     "operators": _STATE,
     "ui": [*_STATE, "operators"],
     "handlers": [*_STATE, "operators", "ui"],
-    "__init__": [*_STATE, "operators", "ui", "handlers"],
-    "cli": [*_STATE, "operators", "ui", "handlers", "__init__", "figures", "readers"],
-    "__main__": [*_STATE, "operators", "ui", "handlers", "__init__", "figures", "readers", "cli"],
+    "manual": [*_SCENE, "session", "properties"],
+    "__init__": [*_STATE, "operators", "ui", "handlers", "manual"],
+    "cli": [*_STATE, "operators", "ui", "handlers", "manual", "__init__", "figures", "readers"],
+    "__main__": [*_STATE, "operators", "ui", "handlers", "manual", "__init__", "figures", "readers", "cli"],
 }
 # Parts that run without Blender.
 WITHOUT_BLENDER = [
