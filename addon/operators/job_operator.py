@@ -9,7 +9,7 @@
 
 With a window the operator is modal: slices of SLICE seconds, progress in the status bar, the cursor and the panel, Esc
 ends it within a tenth of a second. Without (background mode, scripts) the same generator runs to its end in one call.
-Between slices objects are known by name only, so undo and deletion in the meantime do no harm.
+Between slices the object is known by its session uid only, so undo, renaming and deletion in the meantime do no harm.
 """
 
 import time
@@ -21,7 +21,7 @@ from ..session import running
 from ..work import Stop
 from .shared import FieldOperator, redraw_sidebars, report_fault
 
-#: Seconds of work between two looks at the keyboard, and between two timer events.
+#: Seconds of work in one slice, and between two timer events.
 SLICE = 0.04
 TICK = 0.02
 #: Faults of input, solver, disk and memory: told to the artist. Anything else is our mistake and goes to the console.
@@ -37,8 +37,9 @@ class JobOperator(FieldOperator):
 
     @classmethod
     def poll(cls, context):
-        if running.current() is not None:
-            cls.poll_message_set(f"{running.current().title} '{running.current().object_name}'; press Esc to stop it")
+        job = running.current()
+        if job is not None:
+            cls.poll_message_set(f"{job.title} '{job.object_name}'; press Esc to stop it")
             return False
         if not super().poll(context):
             return False
@@ -52,74 +53,14 @@ class JobOperator(FieldOperator):
         """Why the work cannot begin now, and the cure; empty when it can."""
         return ""
 
-    def invoke(self, context, _event):
-        if bpy.app.background:
-            return self.execute(context)
-        obj = active_field(context)
-        self._steps, self._shown, self._ending = None, "", False
-        try:
-            self._steps = self.start(context, obj)
-        except EXPECTED as fault:
-            return report_fault(self, fault)
-        self._object_name = obj.name
-        running.begin(self.job_title, obj.name)
-        manager = context.window_manager
-        manager.progress_begin(0, 100)
-        self._timer = manager.event_timer_add(TICK, window=context.window)
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context, event):
-        job = running.current()
-        stopped = job is None or job.cancel_requested or (event.type == "ESC" and event.value == "PRESS")
-        ends_early = stopped and job is not None and self.keeps_when_stopped and not self._ending
-        if stopped and not ends_early:
-            return self._stopped(context)
-        if event.type != "TIMER" and not ends_early:
-            return {"PASS_THROUGH"}
-        until = time.monotonic() + SLICE
-        try:
-            if ends_early:
-                self._ending, job.cancel_requested = True, False
-                self._take(self._steps.throw(Stop()), job)
-            while time.monotonic() < until:
-                step = self._take(next(self._steps), job)
-                if step.waiting:  # the core works on its own threads: give the time back
-                    break
-        except StopIteration as end:
-            return self._done(context, end.value)
-        except Stop:  # there is nothing yet
-            return self._stopped(context)
-        except EXPECTED as fault:
-            self._leave(context)
-            return report_fault(self, fault)
-        except BaseException:
-            self._leave(context)
-            raise
-        self._show(context, job)
-        return {"PASS_THROUGH"}
-
-    def _show(self, context, job):
-        """Progress in the status bar, the cursor and the panel, when what they say has changed."""
-        text = f"{self.job_title} '{job.object_name}': {job.fraction:.0%}  {job.message}      Esc: stop"
-        if text != self._shown:
-            self._shown = text
-            context.window_manager.progress_update(round(job.fraction * 100))
-            context.workspace.status_text_set(text)
-            redraw_sidebars(context)
-
-    def cancel(self, context):
-        """Blender ends modal operators when a file is loaded or the window closes."""
-        self._leave(context)
-
     def execute(self, context):
+        """The whole work in one call."""
         obj = active_field(context)
-        self._object_name = obj.name
-        job = running.begin(self.job_title, obj.name)
+        self._job = running.begin(self.job_title, obj)
         try:
             steps = self.start(context, obj)
             while True:
-                step = self._take(next(steps), job)
+                step = self._take(next(steps))
                 if step.waiting:
                     time.sleep(TICK)
         except StopIteration as end:
@@ -130,25 +71,99 @@ class JobOperator(FieldOperator):
         finally:
             running.end()
 
-    def _take(self, step, job):
-        job.fraction, job.message = step.fraction, step.message
+    # In slices --------------------------------------------------------------------------------------------------------
+
+    def invoke(self, context, _event):
+        if bpy.app.background:
+            return self.execute(context)
+        obj = active_field(context)
+        self._steps, self._shown, self._ending = None, "", False
+        try:
+            self._steps = self.start(context, obj)
+        except EXPECTED as fault:
+            return report_fault(self, fault)
+        self._job = running.begin(self.job_title, obj)
+        manager = context.window_manager
+        manager.progress_begin(0, 100)
+        self._timer = manager.event_timer_add(TICK, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if self._is_stopped_by(event):
+            if self._ending or not self.keeps_when_stopped or running.current() is None:
+                return self._stopped(context)
+            return self._work(context, self._end_early)
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        return self._work(context, self._run_slice)
+
+    def cancel(self, context):
+        """Blender ends modal operators when a file is loaded or the window closes."""
+        self._leave(context)
+
+    def _is_stopped_by(self, event) -> bool:
+        job = running.current()
+        return job is None or job.cancel_requested or (event.type == "ESC" and event.value == "PRESS")
+
+    def _work(self, context, advance):
+        """advance() takes steps; where they have come to their end, so has the operator."""
+        try:
+            advance()
+        except StopIteration as end:
+            self._leave(context)
+            return self._finished(context, end.value)
+        except Stop:  # there is nothing yet
+            return self._stopped(context)
+        except EXPECTED as fault:
+            self._leave(context)
+            return report_fault(self, fault)
+        except BaseException:
+            self._leave(context)
+            raise
+        self._show(context)
+        return {"PASS_THROUGH"}
+
+    def _run_slice(self):
+        until = time.monotonic() + SLICE
+        while time.monotonic() < until:
+            step = self._take(next(self._steps))
+            if step.waiting:  # the core works on its own threads: give the time back
+                break
+
+    def _end_early(self):
+        """Ask the steps for what they have come to; a second Esc stops them at once."""
+        self._ending, self._job.cancel_requested = True, False
+        self._take(self._steps.throw(Stop()))
+        self._run_slice()
+
+    def _take(self, step):
+        self._job.fraction, self._job.message = step.fraction, step.message
         for note in step.notes:
             self.report({"WARNING"}, note)
         return step
 
+    def _show(self, context):
+        """Progress in the status bar, the cursor and the panel, when what they say has changed."""
+        job = self._job
+        text = f"{self.job_title} '{job.object_name}': {job.fraction:.0%}  {job.message}      Esc: stop"
+        if text != self._shown:
+            self._shown = text
+            context.window_manager.progress_update(round(job.fraction * 100))
+            context.workspace.status_text_set(text)
+            redraw_sidebars(context)
+
+    # The end ----------------------------------------------------------------------------------------------------------
+
     def _stopped(self, context):
         self._leave(context)
-        self.report({"WARNING"}, f"{self.job_title} '{self._object_name}' was stopped; it is as it was before")
+        self.report({"WARNING"}, f"{self.job_title} '{self._job.object_name}' was stopped; it is as it was before")
         return {"CANCELLED"}
 
-    def _done(self, context, result):
-        self._leave(context)
-        return self._finished(context, result)
-
     def _finished(self, context, result):
-        obj = bpy.data.objects.get(self._object_name)
+        obj = self._job.object()
         if obj is None:
-            self.report({"WARNING"}, f"'{self._object_name}' is gone or has another name; its cache is kept")
+            self.report({"WARNING"}, f"'{self._job.object_name}' was deleted meanwhile; its cache is kept")
             return {"CANCELLED"}
         try:
             self.finish(context, obj, result)

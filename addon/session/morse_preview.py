@@ -1,8 +1,8 @@
 """Coarse Morse sets, at once, whenever λ or a setting of the Morse panel changes.
 
-The work runs on the core's threads and is watched by a timer; newer wishes stop older work. What is found is drawn and
-never written to the file, so that scrubbing leaves nothing to undo. For speed τ is never longer than the starting value
-that mesh and field suggest.
+The work runs on the core's threads and is watched by a timer; a new request cancels the running one. What is found is
+drawn and never written to the file, so that scrubbing leaves nothing to undo. For speed τ is never longer than the
+starting value that mesh and field suggest. Previews are known by the session uid of their object.
 """
 
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from ..analysis.steps import native_field
 from ..scene.read.bake_task import read_morse_settings
 from ..scene.read.current_field import read_current
 from ..scene.write.selection import redraw
-from . import morse_state, running
+from . import morse_state, objects, running
 
-#: Seconds between two looks at the work, and that a setting must stand still before it begins.
+#: Seconds between two checks of the work, and that a setting must stay the same before work begins.
 TICK, PAUSE = 0.03, 0.08
 
 
@@ -38,14 +38,14 @@ class _Work:
     lam: float
 
 
-_previews: dict[str, Preview] = {}
-_wishes: set[str] = set()
-_work: dict[str, _Work] = {}
+_previews: dict[int, Preview] = {}
+_requested: set[int] = set()
+_work: dict[int, _Work] = {}
 _count = 0
 
 
 def of(obj: bpy.types.Object) -> Preview | None:
-    return _previews.get(obj.name) if obj.stormfield.morse.live else None
+    return _previews.get(obj.session_uid) if obj.stormfield.morse.live else None
 
 
 def request(obj: bpy.types.Object) -> None:
@@ -53,52 +53,52 @@ def request(obj: bpy.types.Object) -> None:
     if bpy.app.background:
         _begin(obj)
         while _work:
-            _work[obj.name].job.wait()
-            _look()
+            _work[obj.session_uid].job.wait()
+            _collect_results()
         return
-    _wishes.add(obj.name)
+    _requested.add(obj.session_uid)
     if not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=PAUSE)
 
 
 def follow(obj: bpy.types.Object) -> None:
-    """Make it again when λ has changed since."""
-    known = _work.get(obj.name) or _previews.get(obj.name)
+    """Make the preview again when λ has changed since."""
+    known = _work.get(obj.session_uid) or _previews.get(obj.session_uid)
     if known is None or abs(known.lam - obj.stormfield.lam) > 1e-6:
         request(obj)
 
 
 def stop(obj: bpy.types.Object) -> None:
-    _wishes.discard(obj.name)
-    _drop(obj.name)
-    _previews.pop(obj.name, None)
+    _requested.discard(obj.session_uid)
+    _cancel(obj.session_uid)
+    _previews.pop(obj.session_uid, None)
 
 
 def forget() -> None:
-    _wishes.clear()
+    _requested.clear()
     _previews.clear()
-    for name in list(_work):
-        _drop(name)
+    for uid in list(_work):
+        _cancel(uid)
 
 
-def _drop(name: str) -> None:
-    work = _work.pop(name, None)
+def _cancel(uid: int) -> None:
+    work = _work.pop(uid, None)
     if work is not None:
         work.job.cancel()
 
 
 def _tick() -> float | None:
-    for name in list(_wishes):
-        _wishes.discard(name)
-        obj = bpy.data.objects.get(name)
+    for uid in list(_requested):
+        _requested.discard(uid)
+        obj = objects.find(uid)
         if obj is not None and obj.stormfield.morse.live and running.current() is None:
             _begin(obj)
-    _look()
-    return TICK if _work or _wishes else None
+    _collect_results()
+    return TICK if _work or _requested else None
 
 
 def _begin(obj: bpy.types.Object) -> None:
-    _drop(obj.name)
+    _cancel(obj.session_uid)
     try:
         field = read_current(bpy.context, obj)
         surface, values = native_field(field.mesh, field.values)
@@ -107,18 +107,18 @@ def _begin(obj: bpy.types.Object) -> None:
             options["tau"] = min(options["tau"], native.starting_tau(values, morse_state.UNITS[options["method"]]))
         job = native.start_morse(values, persistence=False, **options)
     except (ValueError, RuntimeError, OSError):
-        _previews.pop(obj.name, None)  # no field yet: the panel says why
+        _previews.pop(obj.session_uid, None)  # no field yet: the panel says why
         return
-    _work[obj.name] = _Work(job, surface, field.lam)
+    _work[obj.session_uid] = _Work(job, surface, field.lam)
 
 
-def _look() -> None:
+def _collect_results() -> None:
     """Take over what is done."""
     global _count
-    for name, work in list(_work.items()):
+    for uid, work in list(_work.items()):
         if not work.job.done:
             continue
-        del _work[name]
+        del _work[uid]
         try:
             found = work.job.result()
         except (ValueError, RuntimeError):
@@ -126,5 +126,5 @@ def _look() -> None:
         _count += 1
         graph = morse_graph(found, work.surface, work.lam)
         kinds = [entity.kind for entity in graph.entities]
-        _previews[name] = Preview(np.asarray(found.face_sets), kinds, work.lam, _count)
+        _previews[uid] = Preview(np.asarray(found.face_sets), kinds, work.lam, _count)
         redraw()

@@ -1,7 +1,7 @@
-"""The last Morse decomposition of each object in memory, which simplification and refinement go on from.
+"""The last Morse decomposition of each object, which simplification and refinement go on from.
 
-Never saved: after a file was opened, Morse Sets makes it again. The slider *Simplify* works a moment after it stands
-still, so that dragging stays smooth.
+Known by the object's session uid, and never saved: after a file was opened, Morse Sets makes it again. The slider
+*Simplify* takes effect a moment after it has stopped, so that dragging stays smooth.
 """
 
 import itertools
@@ -15,10 +15,11 @@ from .. import native
 from ..analysis.steps import MorseSets, native_field
 from ..model.mesh_data import MeshData
 from ..scene.write import analysis_objects
+from . import objects
 
 #: What τ is of each method that has one, in the core's words.
 UNITS = {"tau": "time", "spatial": "length"}
-#: Seconds that a slider must stand still before work begins.
+#: Seconds that a slider must stay the same before work begins.
 PAUSE = 0.15
 
 
@@ -29,7 +30,7 @@ class MorseState:
     serial: int
 
 
-_states: dict[str, MorseState] = {}
+_states: dict[int, MorseState] = {}
 _serials = itertools.count(1)
 
 
@@ -71,12 +72,12 @@ def why_no_simplification(obj: bpy.types.Object) -> str:
 def remember(obj: bpy.types.Object, found: MorseSets, attribute: str) -> None:
     state = MorseState(found, attribute, next(_serials))
     obj.stormfield.analysis.mcg.serial = state.serial
-    _states[obj.name] = state
+    _states[obj.session_uid] = state
 
 
 def of(obj: bpy.types.Object) -> MorseState | None:
     """What the shown sets were made from; None where undo or another file has brought others back."""
-    state = _states.get(obj.name)
+    state = _states.get(obj.session_uid)
     return state if state is not None and state.serial == obj.stormfield.analysis.mcg.serial else None
 
 
@@ -85,14 +86,14 @@ def forget() -> None:
 
 
 def simplify_later(obj: bpy.types.Object) -> None:
-    """Called while the slider moves; simplifies once it stands still."""
-    name = obj.name
+    """Called while the slider moves; simplifies once it has stopped."""
+    uid = obj.session_uid
     if bpy.app.background:
         simplify(obj)
         return
 
     def work():
-        found = bpy.data.objects.get(name)
+        found = objects.find(uid)
         if found is not None:
             simplify(found)
             bpy.ops.ed.undo_push(message="Simplify Morse Sets")

@@ -2,14 +2,28 @@
 
 from dataclasses import dataclass
 
+import bpy
+
+from . import objects
+
 
 @dataclass
 class RunningJob:
     title: str  #: "Solving", "Baking"
-    object_name: str
+    object_uid: int
+    name_at_begin: str
     fraction: float = 0.0  #: 0..1
     message: str = ""
     cancel_requested: bool = False
+
+    def object(self) -> bpy.types.Object | None:
+        """What the job works for; None when it was deleted meanwhile."""
+        return objects.find(self.object_uid)
+
+    @property
+    def object_name(self) -> str:
+        obj = self.object()
+        return self.name_at_begin if obj is None else obj.name
 
 
 _current: RunningJob | None = None
@@ -19,9 +33,9 @@ def current() -> RunningJob | None:
     return _current
 
 
-def begin(title: str, object_name: str) -> RunningJob:
+def begin(title: str, obj: bpy.types.Object) -> RunningJob:
     global _current
-    _current = RunningJob(title, object_name)
+    _current = RunningJob(title, obj.session_uid, obj.name)
     return _current
 
 

@@ -1,29 +1,29 @@
-"""The solver of the field that is being edited, kept between two presses of Solve. Never saved.
+"""What the last solve of the field that is being edited leaves for the next one. Never saved.
 
-One at a time: the memory of another object is given back first. Background mode and the command line keep none, so what
-they solve never depends on what was solved before.
+One at a time: that of another object is given back first. Background mode and the command line keep none, so what they
+solve never depends on what was solved before.
 """
 
 import bpy
 
 from ..solve import SolverState
 
-_name = ""
-_memory: SolverState | None = None
+_uid: int | None = None
+_state: SolverState | None = None
 
 
 def of(obj: bpy.types.Object) -> SolverState | None:
-    """The memory for solves of `obj`; None in background mode."""
-    global _name, _memory
+    """The state for solves of `obj`; None in background mode."""
+    global _uid, _state
     if bpy.app.background:
         return None
-    if _memory is None or _name != obj.name:
+    if _state is None or _uid != obj.session_uid:
         forget()
-        _name, _memory = obj.name, SolverState()
-    return _memory
+        _uid, _state = obj.session_uid, SolverState()
+    return _state
 
 
 def forget() -> None:
     """Give the memory back; the next solve starts from zero."""
-    global _memory
-    _memory = None
+    global _state
+    _state = None

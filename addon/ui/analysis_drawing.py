@@ -90,7 +90,7 @@ class AnalysisDrawing:
     counts: dict[str, Counter] = field(default_factory=dict)  #: per list, how many of each kind pass the filters
 
 
-_drawings: dict[str, tuple[tuple, Surface, AnalysisDrawing]] = {}
+_drawings: dict[int, tuple[tuple, Surface, AnalysisDrawing]] = {}
 
 
 def forget() -> None:
@@ -116,10 +116,10 @@ def drawing_of(evaluated: bpy.types.Object) -> AnalysisDrawing | None:
         analysis.version,
         *(_filter_key(analysis.list(which)) for which in ("ecg", "history", "mcg")),
     )
-    kept = _drawings.get(evaluated.name)
+    kept = _drawings.get(evaluated.original.session_uid)
     if kept is None or kept[0] != key or kept[1] is not surface:
         kept = (key, surface, _make(evaluated, surface, mesh))
-        _drawings[evaluated.name] = kept
+        _drawings[evaluated.original.session_uid] = kept
     return kept[2]
 
 

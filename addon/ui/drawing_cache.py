@@ -40,13 +40,13 @@ class _Entry:
     seeds: dict = field(default_factory=dict)
     values: np.ndarray | None = None  #: (n, 3) of the field that is drawn
     taus: dict = field(default_factory=dict)  #: starting values by method, once asked for
-    looked: tuple = ()  #: generation of the object at the last look at its shape
+    compared: tuple = ()  #: generation of the object when its shape was last compared
     key: tuple = ()
     drawing: Drawing | None = None
 
 
-_entries: dict[str, _Entry] = {}
-_generations: dict[str, int] = {}
+_entries: dict[int, _Entry] = {}
+_generations: dict[int, int] = {}
 
 
 def forget() -> None:
@@ -57,8 +57,8 @@ def forget() -> None:
 def mark_changed(depsgraph: bpy.types.Depsgraph) -> None:
     for update in depsgraph.updates:
         if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
-            name = update.id.name
-            _generations[name] = _generations.get(name, 0) + 1
+            uid = update.id.original.session_uid
+            _generations[uid] = _generations.get(uid, 0) + 1
 
 
 def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
@@ -67,10 +67,10 @@ def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
     attribute = mesh.attributes.get(settings.shown_field)
     if attribute is None or attribute.domain != "POINT" or attribute.data_type != "FLOAT_VECTOR":
         return None
-    entry = _entries.setdefault(evaluated.name, _Entry())
+    entry = _entries.setdefault(evaluated.original.session_uid, _Entry())
     key = (
         round(evaluated.stormfield.lam, 6),
-        _generations.get(evaluated.name, 0),
+        _generations.get(evaluated.original.session_uid, 0),
         len(mesh.vertices),
         settings.shown_field,
         settings.style,
@@ -92,17 +92,17 @@ def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
 
 def surface_of(evaluated: bpy.types.Object):
     """Surface and native TriangleMesh (None where the mesh is no surface) of an evaluated object, as it is drawn."""
-    entry = _entries.setdefault(evaluated.name, _Entry())
-    generation = (_generations.get(evaluated.name, 0), len(evaluated.data.vertices))
-    if entry.looked != generation:
+    entry = _entries.setdefault(evaluated.original.session_uid, _Entry())
+    generation = (_generations.get(evaluated.original.session_uid, 0), len(evaluated.data.vertices))
+    if entry.compared != generation:
         _update_surface(entry, evaluated.data)
-        entry.looked = generation
+        entry.compared = generation
     return entry.surface, entry.mesh
 
 
 def starting_tau(obj: bpy.types.Object, method: str) -> float | None:
     """The τ that mesh and field suggest: seconds, or mesh units for the method "spatial"; None before it was drawn."""
-    entry = _entries.get(obj.name)
+    entry = _entries.get(obj.session_uid)
     if entry is None or entry.mesh is None or entry.values is None:
         return None
     if method not in entry.taus:

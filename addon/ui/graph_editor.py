@@ -24,6 +24,7 @@ from ..analysis.colours import KIND_COLOURS
 from ..scene.nodes import entity_nodes
 from ..scene.read.active_field import active_field
 from ..scene.write import selection
+from ..session import objects
 from . import icons
 from .entity_details import draw_entity
 
@@ -145,7 +146,7 @@ def _draw() -> None:
     if context.space_data.tree_type != entity_nodes.TREE or tree is None or tree.bl_idname != entity_nodes.TREE:
         return
     draw_links(context, tree)
-    shown = (tree.name, len(tree.nodes))
+    shown = (tree.session_uid, len(tree.nodes))
     if _framed.get(context.area.as_pointer()) != shown:
         _framed[context.area.as_pointer()] = shown
         frame_soon()
@@ -153,10 +154,10 @@ def _draw() -> None:
     active = tree.nodes.active
     clicked = active is not None and active.select
     if owner is not None and clicked and active.entity != owner.stormfield.analysis.list(tree.which).active:
-        _take_over(owner.name, tree.which)
+        _take_over(owner.session_uid, tree.which)
 
 
-_framed: dict[int, tuple[str, int]] = {}  # per editor: the graph that was last brought into view, and its size
+_framed: dict[int, tuple[int, int]] = {}  # per editor: the graph that was last brought into view, and its size
 
 
 def frame_soon() -> None:
@@ -173,18 +174,18 @@ def frame_soon() -> None:
     bpy.app.timers.register(later, first_interval=0.1)
 
 
-def _take_over(name: str, which: str) -> None:
+def _take_over(uid: int, which: str) -> None:
     """Drawing must not write; a timer does, right after it."""
 
     def later():
-        obj = bpy.data.objects.get(name)
+        obj = objects.find(uid)
         if obj is not None:
             selection.follow_graph(obj, which)
 
     bpy.app.timers.register(later, first_interval=0.0)
 
 
-_kept: dict[str, tuple] = {}  # per tree: what its links were drawn from, and their batch
+_kept: dict[int, tuple] = {}  # per tree: what its links were drawn from, and their batch
 
 
 def draw_links(context: bpy.types.Context, tree: bpy.types.NodeTree) -> None:
@@ -195,13 +196,13 @@ def draw_links(context: bpy.types.Context, tree: bpy.types.NodeTree) -> None:
     selected = active.name if active is not None and active.select else ""
     key = (places.tobytes(), selected, len(tree.routes), tree.owner and tree.owner.stormfield.analysis.version)
     shader = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
-    if _kept.get(tree.name, (None,))[0] != key:
+    if _kept.get(tree.session_uid, (None,))[0] != key:
         lines, colours = link_lines(tree)
         positions = np.c_[lines.reshape(-1, 2), np.zeros(2 * len(lines))].astype(np.float32)
         colours = colours.reshape(-1, 4).astype(np.float32)
         batch = batch_for_shader(shader, "LINES", {"pos": positions, "color": colours}) if len(lines) else None
-        _kept[tree.name] = (key, batch)
-    batch = _kept[tree.name][1]
+        _kept[tree.session_uid] = (key, batch)
+    batch = _kept[tree.session_uid][1]
     if batch is None:
         return
     corner, along = (np.array(to_view.view_to_region(x, x, clip=False)) for x in (0.0, 1e4))

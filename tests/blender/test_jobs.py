@@ -17,9 +17,9 @@ def runner(ball):
         job_title = "Working"
 
         def __init__(self, steps):
-            self._steps, self._object_name, self._timer = steps, "Ball", None
+            self._steps, self._timer = steps, None
             self.reports, self.results = [], []
-            running.begin("Working", "Ball")
+            self._job = running.begin("Working", ball)
 
         def report(self, kind, text):
             self.reports.append((kind, text))
@@ -90,7 +90,6 @@ def test_work_that_keeps_what_it_has_ends_early(runner, how):
     assert job.modal(context(), TIMER) == {"FINISHED"}
     assert job.results == [("Ball", 2)] and running.current() is None
 
-    running.begin("Working", "Ball")
     job = work(steps())
     job.modal(context(), TIMER)
     press()
@@ -100,7 +99,6 @@ def test_work_that_keeps_what_it_has_ends_early(runner, how):
         while True:
             yield step(0.1, "reading")
 
-    running.begin("Working", "Ball")
     job = work(nothing_yet())
     job.modal(context(), TIMER)
     assert press() == {"CANCELLED"} and not job.results and running.current() is None
@@ -171,7 +169,21 @@ def test_an_object_deleted_meanwhile_is_no_crash(runner, ball):
     job = work(steps())
     bpy.data.objects.remove(ball)
     assert job.modal(context(), TIMER) == {"CANCELLED"}
-    assert "gone" in job.reports[0][1]
+    assert "deleted" in job.reports[0][1]
+
+
+def test_an_object_renamed_meanwhile_gets_the_result(runner, ball):
+    work, step = runner
+
+    def steps():
+        yield step(0.0, "begin", waiting=True)
+        return "folder"
+
+    job = work(steps())
+    job.modal(context(), TIMER)
+    ball.name = "Planet"
+    assert job.modal(context(), TIMER) == {"FINISHED"}
+    assert job.results == [("Planet", "folder")]
 
 
 def test_one_job_at_a_time(runner, storms):

@@ -21,8 +21,6 @@ from ..read.results import ROLE, find_curves
 from . import entity_lists, morse_faces
 from .curve_objects import make_curves, remove_curves
 
-#: Custom property of the collection: the name of the mesh object.
-OWNER = "stormfield_owner"
 #: Radius of the curves, as a part of the object's size.
 RADIUS = 0.0015
 
@@ -113,14 +111,19 @@ def _collection(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Coll
     """The collection of an object's analysis, made when it is missing."""
     analysis = obj.stormfield.analysis
     collection = analysis.collection
-    if collection is None or collection.get(OWNER) != obj.name:  # an object that was copied gets its own
+    if collection is None or not _is_of(collection, obj):  # an object that was copied gets its own
         collection = bpy.data.collections.new(f"{obj.name} analysis")
         collection.hide_render = True
-        collection[OWNER] = obj.name
         analysis.collection = collection
     if collection not in scene.collection.children_recursive:
         scene.collection.children.link(collection)
     return collection
+
+
+def _is_of(collection: bpy.types.Collection, obj: bpy.types.Object) -> bool:
+    """Whether no other object's results are in the collection."""
+    owners = {made.parent for made in collection.objects if ROLE in made}
+    return not owners - {obj}
 
 
 def _blend(start: str, end: str, count: int) -> np.ndarray:
