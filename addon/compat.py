@@ -28,12 +28,6 @@ def find_fcurve(owner: bpy.types.ID, data_path: str) -> bpy.types.FCurve | None:
     return next((curve for curve in fcurves(owner) if curve.data_path == data_path), None)
 
 
-def eevee() -> str:
-    """The identifier of EEVEE, which was renamed twice."""
-    engines = bpy.types.RenderSettings.bl_rna.properties["engine"].enum_items_static.keys()
-    return "BLENDER_EEVEE_NEXT" if "BLENDER_EEVEE_NEXT" in engines else "BLENDER_EEVEE"
-
-
 def set_modifier_input(modifier: bpy.types.NodesModifier, identifier: str, value) -> None:
     """Set one input of a Geometry Nodes modifier (RNA inputs since 5.2, custom properties before)."""
     inputs = getattr(getattr(modifier, "properties", None), "inputs", None)

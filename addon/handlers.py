@@ -46,7 +46,7 @@ def mark_changed(_scene, depsgraph):
 
 @persistent
 def preview_morse_sets(scene, *_):
-    """Live previews follow λ; without a window there is nobody to look at them."""
+    """Live previews follow λ; without a window none is drawn."""
     if bpy.app.background:
         return
     for obj in scene.objects:

@@ -25,7 +25,7 @@ class Solution:
     lambdas: np.ndarray
     fields: Mapping[str, Any]
     fingerprint: str  #: of the mesh
-    notes: tuple[str, ...] = ()  #: what the artist should know: parts of the mesh without field
+    notes: tuple[str, ...] = ()  #: what the artist should know: components of the mesh without field
     iterations: Mapping[str, int] | None = None
 
 
@@ -87,7 +87,7 @@ class SolveJob:
 
     @property
     def fraction(self) -> float:
-        """Part of the work that is done, 0 to 1."""
+        """Fraction of the work that is done, 0 to 1."""
         return self._job.fraction
 
     @property
@@ -132,10 +132,10 @@ def _distinct(design: Design) -> list[Solve]:
     Fields with the same elements are solved once; a field without elements of its own is the same as the other.
     """
     of = {name: design.elements_of(name) for name in FIELDS}
-    told = {name: elements or of[other] for (name, elements), other in zip(of.items(), reversed(FIELDS), strict=True)}
-    if told[FIELDS[0]] == told[FIELDS[1]]:
-        return [(FIELDS, told[FIELDS[0]])]
-    return [((name,), elements) for name, elements in told.items()]
+    acting = {name: elements or of[other] for (name, elements), other in zip(of.items(), reversed(FIELDS), strict=True)}
+    if acting[FIELDS[0]] == acting[FIELDS[1]]:
+        return [(FIELDS, acting[FIELDS[0]])]
+    return [((name,), elements) for name, elements in acting.items()]
 
 
 def _native_element(element: Element):
@@ -160,7 +160,7 @@ def _notes(mesh, names: tuple[str, ...], components: list[int]) -> list[str]:
         vertices = np.flatnonzero(mesh.components == component)
         which = " and ".join(names)
         notes.append(
-            f"no element of the {which} field reaches part {component + 1} of {mesh.component_count} of the mesh "
+            f"no element of the {which} field reaches component {component + 1} of {mesh.component_count} of the mesh "
             f"({len(vertices)} vertices, the first is {vertices[0]}): its field is zero; add an element there"
         )
     return notes

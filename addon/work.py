@@ -5,8 +5,8 @@
 
     folder = run(steps)                                   # blocks, and returns what the generator returned
 
-Closing a generator cancels its work at that step. Work that can end early with what it has come to takes a Stop: throw
-it into the generator, and go on for the result.
+Closing a generator cancels its work at that step. Work that can end early with what is complete takes a Stop:
+throw it into the generator, and continue for the result.
 """
 
 import time
@@ -14,7 +14,7 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-#: Seconds between two steps of waiting work, when nobody else paces it.
+#: Seconds that run() sleeps at a step of waiting work.
 POLL = 0.02
 
 Result = TypeVar("Result")
@@ -74,7 +74,7 @@ def result_of(job: Any, start: float, message: str, end: float = 1.0) -> Steps[A
     """Waits for a job on the core's threads and returns its result. start, end: its range in the steps' fractions.
 
     Closing the generator cancels the job and does not wait until it has ended. After Stop the result is what the job
-    has come to, or native.Cancelled where it leaves nothing.
+    has completed, or native.Cancelled where it leaves nothing.
     """
     try:
         while not job.done:

@@ -1,7 +1,7 @@
 """The entity connection graph (thesis 2.2.2, 3.2): native Topology → EntityGraph, and its words in JSON.
 
 topology = native.start_topology(field).result()
-graph = entity_graph(topology, mesh, lam=0.5)       # fixed points first, then periodic orbits, as in the topology
+graph = entity_graph(topology, lam=0.5)             # fixed points first, then periodic orbits, as in the topology
 content = topology_json(topology, graph)            # fixed_points, periodic_orbits, separatrices, links, index_sum ...
 """
 
@@ -26,13 +26,12 @@ ROWS: dict[str, tuple[Row, str]] = {
 }
 
 
-def entity_graph(topology: Any, mesh: Any, lam: float = 0.0) -> EntityGraph:
+def entity_graph(topology: Any, lam: float = 0.0) -> EntityGraph:
     """Entity i is fixed point i; the periodic orbits follow. Links carry their separatrices in the flow's direction.
 
-    topology: native Topology. mesh: its native TriangleMesh. Strength in 1/s: of a fixed point the square root of
-    |det J|, of an orbit the rate |log multiplier| / period at which neighbours come nearer or leave.
+    topology: native Topology. Strength in 1/s: of a fixed point the square root of |det J|, of an orbit the rate
+    |log multiplier| / period at which neighbours come nearer or leave.
     """
-    del mesh  # positions are the topology's own
     count: Counter[str] = Counter()
     entities: list[Entity] = []
 

@@ -24,7 +24,7 @@ from .steps import check_moves
 
 #: Kinds whose points carry times, and kinds with curves for each frame.
 GROWING, BY_FRAME = ("STREAMLINE", "PATHLINE"), ("STREAKLINE", "TIMELINE")
-#: Part of the progress that reading the field is taken for, and that tracing ends at.
+#: Where reading the field ends, and where tracing does, in the fractions of the steps.
 READ, TRACED = 0.2, 0.9
 
 
@@ -70,13 +70,13 @@ def flow_curve_steps(
     seeds = seeds_of(surface)
     if not len(seeds[0]):
         raise InputError("there are no points to start from; select vertices or raise the number of points")
-    view = _View(surface, np.asarray(lambdas, np.float64), vectors, settings)
+    view = _PointAttributes(surface, np.asarray(lambdas, np.float64), vectors, settings)
     if settings.kind in GROWING:
         return (yield from _growing(view, field, seeds))
     return (yield from _by_frame(view, field, seeds))
 
 
-class _View:
+class _PointAttributes:
     """What the points of curves carry."""
 
     def __init__(self, surface: Any, lambdas: np.ndarray, vectors: np.ndarray, settings: Settings):
@@ -96,13 +96,13 @@ class _View:
     def speed(self, faces: np.ndarray, barycentric: np.ndarray, lam: np.ndarray) -> np.ndarray:
         place = np.interp(lam, self.lambdas, np.arange(len(self.lambdas)))
         low = np.minimum(place.astype(np.int64), max(len(self.lambdas) - 2, 0))
-        high, part = np.minimum(low + 1, len(self.lambdas) - 1), (place - low)[:, None]
+        high, fraction = np.minimum(low + 1, len(self.lambdas) - 1), (place - low)[:, None]
         vertices = self.surface.triangles[faces]
         at = [(self.vectors[j[:, None], vertices] * barycentric[:, :, None]).sum(axis=1) for j in (low, high)]
-        return abs(self.settings.speed) * np.linalg.norm((1.0 - part) * at[0] + part * at[1], axis=1)
+        return abs(self.settings.speed) * np.linalg.norm((1.0 - fraction) * at[0] + fraction * at[1], axis=1)
 
 
-def _growing(view: _View, field: Any, seeds: Seeds) -> Steps[FlowCurves]:
+def _growing(view: _PointAttributes, field: Any, seeds: Seeds) -> Steps[FlowCurves]:
     settings, begin = view.settings, view.times[0]
     duration = view.times[-1] - begin
     track = (view.times, view.track)
@@ -118,18 +118,18 @@ def _growing(view: _View, field: Any, seeds: Seeds) -> Steps[FlowCurves]:
     curves: list[np.ndarray] = []
     attributes: dict[str, list[np.ndarray]] = {"time": [], "lam": [], "speed": [], "age": []}
     for first, last in zip(traces.offsets[:-1], traces.offsets[1:], strict=True):
-        part = slice(first, last)
+        line = slice(first, last)
         # A point at each frame: there, what has grown ends exactly where the particle is.
         between = view.times[(view.times > times[first]) & (view.times < times[last - 1])]
-        at = np.union1d(times[part], between)
-        curves.append(np.column_stack([np.interp(at, times[part], column) for column in points[part].T]))
+        at = np.union1d(times[line], between)
+        curves.append(np.column_stack([np.interp(at, times[line], column) for column in points[line].T]))
         for name, values in (("time", times), ("lam", lam), ("speed", speed)):
-            attributes[name].append(np.interp(at, times[part], values[part]))
+            attributes[name].append(np.interp(at, times[line], values[line]))
         attributes["age"].append(at - begin)
     return FlowCurves(curves, attributes, {"seed": np.arange(len(curves), dtype=np.int32)}, view.radius)
 
 
-def _by_frame(view: _View, field: Any, seeds: Seeds) -> Steps[FlowCurves]:
+def _by_frame(view: _PointAttributes, field: Any, seeds: Seeds) -> Steps[FlowCurves]:
     settings, begin = view.settings, view.times[0]
     spacing = settings.spacing * view.surface.size
     common = (field, view.times, view.track)

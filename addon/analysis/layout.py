@@ -90,17 +90,17 @@ def _downwards(link: Link, height: np.ndarray) -> tuple[int, int] | None:
 def _along(drawing) -> np.ndarray:
     """Node numbers by their distance from one end of the graph: where the sweeps begin decides where they end."""
     far = np.zeros(drawing.vcount())
-    for part in drawing.connected_components(mode="weak"):
-        start = part[0]
+    for component in drawing.connected_components(mode="weak"):
+        start = component[0]
         for _ in range(3):
-            away = drawing.distances(start, part, mode="all")[0]
-            start = part[int(np.argmax(away))]
-        far[part] = away
+            away = drawing.distances(start, component, mode="all")[0]
+            start = component[int(np.argmax(away))]
+        far[component] = away
     return np.argsort(far, kind="stable")
 
 
 def _keep_apart(places: np.ndarray, layers: np.ndarray) -> None:
-    """Push neighbours of a row to a distance of 1: parts of the graph without links between them may overlap."""
+    """Push neighbours of a row to a distance of 1: components of the graph without links between them may overlap."""
     for layer in np.unique(layers):
         row = np.flatnonzero(layers == layer)
         row = row[np.argsort(places[row], kind="stable")]

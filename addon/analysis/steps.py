@@ -1,4 +1,4 @@
-"""Analyses as generators of steps, for the modal operators and for whoever else must not block (see work.py).
+"""Analyses as generators of steps, for the modal operators and other callers that must not block (see work.py).
 
     graph = run(ecg_steps(mesh, values, lam=0.3))
     tracking = run(tracking_steps(open_cache(folder), mesh, "sf_advection"))
@@ -22,21 +22,21 @@ from . import ecg, mcg, tracking
 from .entities import EntityGraph
 from .tracking import Tracking
 
-#: Where an analysis begins, in parts of the whole: before, its one field is read, or all samples.
+#: Where an analysis begins, in the fractions of its steps: before, its one field is read, or all samples.
 READ_ONE, READ = 0.1, 0.4
 
 
 def ecg_steps(mesh: MeshData, values: np.ndarray, lam: float) -> Steps[EntityGraph]:
     """The entity connection graph of one instantaneous field. values: (n, 3) at the vertices."""
-    surface, field = yield from field_steps(mesh, values)
+    _surface, field = yield from field_steps(mesh, values)
     topology = yield from result_of(native.start_topology(field), READ_ONE, "Following separatrices and orbits")
-    return ecg.entity_graph(topology, surface, lam)
+    return ecg.entity_graph(topology, lam)
 
 
 def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str, persistence: float = 0.0) -> Steps[Tracking]:
     """Paths and bifurcations over all samples of a λ cache, which must be of this mesh.
 
-    persistence: paths that live through a shorter part of λ are taken out, and what they interrupt is joined.
+    persistence: paths that live through a shorter fraction of λ are taken out, and what they interrupt is joined.
     """
     cache.check_mesh(mesh)
     lambdas = cache.lambdas
@@ -81,7 +81,8 @@ def morse_steps(mesh: MeshData, values: np.ndarray, lam: float, **options: Any) 
 
 
 def refine_set_steps(morse: MorseSets, index: int) -> Steps[MorseSets]:
-    """One set divided further by larger τ inside it; the others and the order stay."""
+    """One set divided further; the others and the order stay. The method geometry divides by pieces of edges, the
+    others by larger τ inside the set."""
     found = yield from result_of(morse.decomposition.start_refine_set(index), 0.0, "Dividing the set")
     yield Step(1.0, "Ordering the sets", waiting=True)
     return replace(morse, decomposition=found, graph=mcg.morse_graph(found, morse.surface, morse.graph.lam))

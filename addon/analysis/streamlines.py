@@ -18,7 +18,7 @@ from .steps import READ_ONE, check_moves, field_steps
 #: Distance between two arrow heads on a line, in distances between lines; length and half width of a head, in radii of
 #: lines.
 ARROW_EVERY, ARROW_LENGTH, ARROW_WIDTH = 14.0, 6.5, 4.0
-#: Heads sit where a line has at least this part of its full width.
+#: Heads are drawn where a line has at least this fraction of its full width.
 ARROW_TAPER = 0.4
 
 
@@ -26,7 +26,7 @@ ARROW_TAPER = 0.4
 class Settings:
     density: float = 0.02  #: distance between lines over the object's size, the square root of its area
     width: float = 0.25  #: of a line over the distance between lines
-    taper: float = 1.0  #: how much lines narrow at ends and beside others, 0..1
+    taper: float = 1.0  #: how much lines narrow at ends and next to others, 0..1
     arrows: bool = False  #: heads that point with the flow
     topology: bool = True  #: periodic orbits and separatrices first
 
@@ -41,7 +41,7 @@ class StreamlineDrawing:
     attributes: dict[str, list[np.ndarray]]  #: per point: speed (mesh units per second), distance (along the line)
     curve_attributes: dict[str, np.ndarray]  #: per curve: length, role (see native roles), arrow
     lines: int  #: curves that are lines, not arrow heads
-    quiet_area: float  #: part of the surface that stands still, 0..1
+    quiet_area: float  #: fraction of the surface where the field is zero, 0..1
     gaps: int  #: places that could not be reached
 
 

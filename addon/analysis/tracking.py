@@ -20,7 +20,7 @@ from .. import native
 Begin = Literal["first", "boundary", "creation"]
 End = Literal["last", "boundary", "annihilation"]
 
-#: Shortest life shown when nothing else is said: what comes and goes within half a percent of λ.
+#: Shortest life shown by default: shorter paths come and go within half a percent of λ.
 MIN_LIFE = 0.005
 #: First letters of names, as in the entity connection graph.
 LETTERS = {"source": "R", "sink": "A", "saddle": "S", "center": "C", "degenerate": "D"}
@@ -56,7 +56,7 @@ class TrackedPath:
 
     @property
     def life(self) -> float:
-        """Part of λ it lives through: its persistence."""
+        """Fraction of λ it lives through: its persistence."""
         return self.last - self.first
 
     @property
@@ -113,7 +113,7 @@ def start(field: Any) -> Any:
 
 
 def from_native(tracking: Any, min_life: float = 0.0, min_strength: float = 0.0) -> Tracking:
-    """A native Tracking as plain data, without what lives shorter than min_life (part of λ) or is weaker (1/s).
+    """A native Tracking as plain data, without what lives shorter than min_life (fraction of λ) or is weaker (1/s).
 
     Short paths go in pairs, and folds become one path: the sum of indices stays, and every end is still classified.
     Weak ones are left out; a bifurcation stays while one of its paths does, and names those that do. The native object

@@ -3,8 +3,8 @@
     check_task(task)                                   # before a long solve, not after it
     result = run(bake_steps(task))                     # BakeResult
 
-Closing the steps stops running work, removes the file in work and keeps what is finished, so that the same call goes on
-from there.
+Closing the steps stops running work, removes the unfinished file and keeps finished ones, so that the same call
+continues from there.
 """
 
 from dataclasses import replace

@@ -4,7 +4,7 @@
 
 Caches are named by what made them: the same design finds its cache again at once, another design gets another folder,
 and undo finds the earlier one. Closing the steps stops running work and keeps finished samples, so that the same call
-goes on from there.
+continues from there.
 """
 
 from pathlib import Path

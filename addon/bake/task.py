@@ -89,8 +89,8 @@ class BakeTask:
 
 @dataclass(frozen=True)
 class BakeResult:
-    """Folders of what was written by target; `whole` is false while other machines owe frames; `cache` is the λ cache
-    it was made from, which may be another one than the task's."""
+    """Folders of what was written by target; `whole` is false while frames of other machines are missing; `cache` is
+    the λ cache it was made from, which may be another one than the task's."""
 
     folders: dict[str, Path]
     remarks: tuple[str, ...] = ()

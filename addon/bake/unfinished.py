@@ -14,7 +14,7 @@ class Resumable(Protocol):
 
 
 def unfinished(writer: Resumable, samples: Iterable[int]) -> Steps[list[int]]:
-    """The samples that the writer has to write, in order; in batches that leave the window alive."""
+    """The samples that the writer has to write, in order. Checks batches, so that the window stays responsive."""
     ordered = sorted(samples)
     missing: list[int] = []
     for start in range(0, len(ordered), CHECK_BATCH):

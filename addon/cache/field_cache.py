@@ -4,7 +4,7 @@
     writer = FieldCacheWriter(folder, mesh, lambdas, settings, resume=True)
     for j in writer.missing():
         writer.write_sample(j, {"sf_advection": (n, 3) float32, "sf_speed": (n,) float32, ...})
-    writer.finish()                                   # False while other machines still owe samples
+    writer.finish()                                   # False while samples of other machines are missing
 
     cache = open_cache(folder)                        # InputError: no cache, unfinished, newer schema
     cache.lambdas, cache.mesh, cache.sample(3)["sf_speed"], cache.at(0.5)["sf_speed"]
@@ -62,11 +62,6 @@ class _Writer:
     @property
     def folder(self) -> Path:
         return self._store.folder
-
-    @property
-    def stage_path(self) -> Path:
-        """The file for Blender's Mesh Sequence Cache, complete after finish()."""
-        return self.folder / STAGE
 
     def missing(self, among: Iterable[int] | None = None) -> list[int]:
         """Samples (of those `among`) still to write, in order."""
@@ -137,7 +132,7 @@ class FieldCacheWriter(_Writer):
 class FrameCacheWriter(_Writer):
     """Writes a frame cache: frames increasing integers, frames/frame_0001.usdc and so on. Arguments as above.
 
-    `frames` are all frames of the bake; a machine that bakes a part of them writes those samples only.
+    `frames` are all frames of the bake; a machine that bakes only some of them writes those samples.
     """
 
     def __init__(

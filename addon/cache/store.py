@@ -5,7 +5,7 @@
         store.write(j, lambda path: ...)              # temporary name, fsync, checksum, rename
     store.finish({"field.usda": lambda path: ...})    # shared files, then manifest.json
 
-While the bake runs the folder holds plan.json, and beside each finished sample its checksum (NAME.sha256, as sha256sum
+While the bake runs the folder holds plan.json, and next to each finished sample its checksum (NAME.sha256, as sha256sum
 writes it); finish() moves the checksums into the manifest. Several machines may write disjoint samples of one plan into
 one folder, or into folders that are copied together: the last one to finish writes the manifest, and the bytes do not
 depend on the split. Faults of the disk become one InputError; the file in work is removed, finished samples stay.
@@ -49,7 +49,7 @@ class CacheStore:
         self.names = plan.names
         self._resume = resume
         self._written: set[int] = set()
-        self._verified: set[str] = set()  # whole when this writer last looked
+        self._verified: set[str] = set()  # whole when this writer last checked
         found = _existing_plan(self.folder)
         if found is not None and not found.same(plan) and not replace:
             self._check_replaceable(found, resume)
@@ -64,11 +64,11 @@ class CacheStore:
 
     def missing(self, among: Iterable[int] | None = None) -> list[int]:
         """Samples (of those `among`) this writer has to write: absent, damaged, or without resume not yet rewritten."""
-        asked = range(len(self.names)) if among is None else sorted(among)
+        candidates = range(len(self.names)) if among is None else sorted(among)
         if not self._resume:
-            return [j for j in asked if j not in self._written]
+            return [j for j in candidates if j not in self._written]
         sums = self._checksums()
-        return [j for j in asked if not self._intact(self.names[j], sums.get(self.names[j]))]
+        return [j for j in candidates if not self._intact(self.names[j], sums.get(self.names[j]))]
 
     def write(self, index: int, write_file: WriteFile) -> None:
         """write_file(path) must leave a complete file at path; it gets its name when it is safely on the disk."""
@@ -79,15 +79,15 @@ class CacheStore:
         self._verified.add(self.names[index])
 
     def write_bytes(self, index: int, data: bytes) -> Generator[float]:
-        """write() in slices, yielding the part that is written; closing the iterator removes the file in work."""
+        """write() in slices, yielding the fraction that is written; closing the iterator removes the file in work."""
         with _disk_faults(self.folder):
             self._reopen()
             name, digest = self.names[index], hashlib.sha256()
             with self._temporary(name) as temporary, temporary.open("wb") as file:
                 for start in range(0, len(data), SLICE):
-                    part = data[start : start + SLICE]
-                    file.write(part)
-                    digest.update(part)
+                    piece = data[start : start + SLICE]
+                    file.write(piece)
+                    digest.update(piece)
                     # The disk's own work in slices, too.
                     file.flush()
                     os.fsync(file.fileno())
@@ -105,7 +105,7 @@ class CacheStore:
             return True
         with _disk_faults(self.folder):
             self._reopen()
-            # Looking is cheaper than reading, and many machines ask this before the last one may join.
+            # Finding the files is cheaper than reading them, and many machines ask before the last one may join.
             if not all((self.folder / name).exists() for name in self.names):
                 return False
             files = self._checksums()
@@ -152,7 +152,7 @@ class CacheStore:
 
     @contextlib.contextmanager
     def _temporary(self, name: str) -> Iterator[Path]:
-        """A path beside the file of that name, removed when the work on it fails or is given up."""
+        """A path in the folder of that file, removed when the work on it fails or is given up."""
         final = self.folder / name
         temporary = final.with_name(f"{TEMPORARY}{socket.gethostname()}-{os.getpid()}-{final.name}")
         try:
@@ -179,7 +179,7 @@ class CacheStore:
         _sync(self.folder)
 
     def _checksums(self) -> dict[str, str]:
-        """The checksum each file should have: from the manifest, or from beside the sample."""
+        """The checksum each file should have: from the manifest, or from the file next to the sample."""
         if (self.folder / MANIFEST).exists():
             return dict(read_manifest(self.folder / MANIFEST).files)
         sums = {}

@@ -92,7 +92,7 @@ def read_sample(path: Path) -> dict[str, np.ndarray]:
 
 
 def write_mesh(path: Path, vertices: np.ndarray, triangles: np.ndarray, polygons: Polygons | None = None) -> None:
-    """The mesh of the cache. Vertices that float32 cannot hold are kept in double beside the points."""
+    """The mesh of the cache. Vertices that float32 cannot hold are kept in double, in an attribute of their own."""
     pxr = usd()
     layer, stage = _new_stage(".usdc")
     stage.DefinePrim(ROOT, "Scope")

@@ -20,6 +20,6 @@ def analyze(given: FieldInput, lam: float | None) -> None:
         vectors = given.data.at(lam)
         job = native.start_topology(native.VectorField.from_space(given.mesh, vectors))
         topology = run(result_of(job, 0.0, "following the flow"), show)
-    graph = entity_graph(topology, given.mesh, lam)
+    graph = entity_graph(topology, lam)
     given.draw(draw_analysis, vectors, graph)
     given.write("stormfield.analysis/1", {"lam": lam, **topology_json(topology, graph)}, topology.seconds)

@@ -16,7 +16,7 @@ from .progress import progress
 @cli.command()
 @click.argument("scene", type=click.Path())
 @click.option("--targets", default="usd", show_default=True, help="Comma separated: usd, exr, vdb, morse.")
-@click.option("--frames", help="A-B: the part of the scene's frames to write here, for one machine of many.")
+@click.option("--frames", help="A-B: those of the scene's frames to write here, for one machine of many.")
 @click.option("--resume", is_flag=True, help="Keep finished samples and frames.")
 @click.option("--solve-only", is_flag=True, help="Write the λ caches and nothing else.")
 @click.option("--save", is_flag=True, help="Save the scene with the caches attached.")
@@ -49,7 +49,7 @@ def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | No
     from ..scene.write import attach
     from ..work import run
 
-    saved = folders.shown_folders()  # what the scene on disk goes on showing, unless it is saved anew
+    saved = folders.shown_folders()  # which the scene on disk shows, unless it is saved again
     task = replace(read_bake_task(bpy.context, obj, Path()), targets=targets, only=only, resume=resume)
     check_task(task)
     mesh, design = read_design(bpy.context, obj)

@@ -24,8 +24,8 @@ def quiet() -> Iterator[None]:
 
 
 def leave(status: int) -> NoReturn:
-    """Ends the process. bpy 4.5 can wait for ever in its static destructors, for a thread that nobody ends; so with bpy
-    loaded they are left out, after everything that Python itself has to clean up."""
+    """Ends the process. bpy 4.5 may never return from its static destructors, which wait for a thread that nobody ends.
+    With bpy loaded they are therefore left out, after everything that Python itself has to clean up."""
     if "bpy" not in sys.modules:
         sys.exit(status)
     atexit._run_exitfuncs()

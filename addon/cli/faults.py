@@ -14,26 +14,26 @@ def as_exit_status(command: Callable[[], object]) -> int:
     try:
         status = command()
     except (KeyboardInterrupt, click.Abort):
-        return _say("cancelled; what was finished is kept", CANCELLED)
+        return _print_line("cancelled; what was finished is kept", CANCELLED)
     except click.ClickException as fault:
-        return _say(fault.format_message(), USER_FAULT)
+        return _print_line(fault.format_message(), USER_FAULT)
     except MemoryError:
-        return _say("not enough memory; use fewer samples or a coarser mesh", USER_FAULT)
+        return _print_line("not enough memory; use fewer samples or a coarser mesh", USER_FAULT)
     except Exception as fault:
         kind = _kind(fault)
         if kind is None:
             raise
-        return _say(str(fault), kind)
+        return _print_line(str(fault), kind)
     return status if isinstance(status, int) else DONE
 
 
 def _kind(fault: Exception) -> int | None:
-    """The exit status of a fault that is told in one line; None for mistakes in the program."""
+    """The exit status of a fault that one line describes; None for mistakes in the program."""
     from ..native import NativeError
 
     if isinstance(fault, (InputError, NativeError)):
         return USER_FAULT
-    # Exceptions of the compiled core, told by name: asking it would load it.
+    # Exceptions of the compiled core, known by their names: asking the core would load it.
     names = {cls.__name__ for cls in type(fault).__mro__ if cls.__module__ == "stormfield_native"}
     if "InputError" in names:
         return USER_FAULT
@@ -42,6 +42,6 @@ def _kind(fault: Exception) -> int | None:
     return OUR_FAULT if "SolverError" in names else None
 
 
-def _say(message: str, status: int) -> int:
+def _print_line(message: str, status: int) -> int:
     print("stormfield:", " ".join(message.split()), file=sys.stderr)
     return status

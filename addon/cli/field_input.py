@@ -41,7 +41,7 @@ class FieldInput:
                 draw(self._image, self.mesh, *arguments)
 
     def write(self, schema: str, content: dict[str, Any], seconds: dict[str, float] | None = None) -> None:
-        """The JSON, with what every command says."""
+        """The JSON, with what all commands write."""
         spent = self.phases.seconds | (seconds or {})
         write_json(self._out, {"schema": schema, "mesh": describe_mesh(self.mesh), **content, "seconds": spent})
 

@@ -14,7 +14,7 @@ QUIET = 5.0
 
 @contextmanager
 def progress(title: str) -> Iterator[Any]:
-    """Yields show(step) for steps of bake.job. An interrupt stops the work at its next step."""
+    """Yields show(step) for steps (work.py). An interrupt stops the work at its next step."""
     with _interrupts() as stop_if_asked, _bar(title) if sys.stderr.isatty() else nullcontext(_Lines(title)) as show:
 
         def show_or_stop(step) -> None:
@@ -27,8 +27,8 @@ def progress(title: str) -> Iterator[Any]:
 
 @contextmanager
 def _interrupts() -> Iterator[Callable[[], None]]:
-    """Keeps an interrupt until the work looks: raised at once it can be lost inside a callback of USD. A second one is
-    raised at once. Only the main thread gets interrupts."""
+    """Keeps an interrupt until the next step of the work: raised at once it can be lost inside a callback of USD. A
+    second one is raised at once. Only the main thread gets interrupts."""
     if threading.current_thread() is not threading.main_thread():
         yield lambda: None
         return
@@ -70,11 +70,11 @@ def _bar(title: str) -> Iterator[Any]:
 class _Lines:
     def __init__(self, title: str):
         self._title = title
-        self._said = time.monotonic()
+        self._printed = time.monotonic()
 
     def __call__(self, step) -> None:
         for note in step.notes:
             print(f"note: {note}", file=sys.stderr)
-        if time.monotonic() - self._said >= QUIET:
-            self._said = time.monotonic()
+        if time.monotonic() - self._printed >= QUIET:
+            self._printed = time.monotonic()
             print(f"{self._title}: {step.fraction:.0%} {step.message}", file=sys.stderr, flush=True)

@@ -45,7 +45,7 @@ def solve(design: str, out: str, resume: bool, report: str | None) -> None:
 
 
 def read_design(path: Path) -> tuple[Any, Any]:
-    """Mesh and design of a JSON file; a mesh file is looked for beside it."""
+    """Mesh and design of a JSON file; a mesh file is looked for in its folder."""
     from ..model.design import Design
     from ..model.mesh_data import MeshData
     from ..readers import read_mesh

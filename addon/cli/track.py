@@ -5,6 +5,7 @@ import sys
 import click
 import numpy as np
 
+from ..analysis.tracking import MIN_LIFE
 from ..model.errors import InputError
 from .field_input import FieldInput, field_command
 from .group import cli
@@ -22,10 +23,10 @@ def _not_negative(_context: click.Context, parameter: click.Parameter, least: fl
 @click.option(
     "--min-life",
     type=float,
-    default=0.005,
+    default=MIN_LIFE,
     show_default=True,
     callback=_not_negative,
-    help="Paths shorter than this part of λ are taken out: pairs go together, folds become one path. 0 keeps all.",
+    help="Paths shorter than this fraction of λ are taken out: pairs go together, folds become one path. 0 keeps all.",
 )
 @click.option(
     "--min-strength",

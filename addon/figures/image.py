@@ -20,15 +20,15 @@ from ..model.errors import InputError
 from .surface_panel import SurfacePanel
 from .view import choose_views
 
-#: Distance between streamlines, as a part of the surface's size, and on a map, which is larger.
+#: Distance between streamlines, over the surface's size, and on a map, which is larger.
 DENSITY, MAP_DENSITY = 0.022, 0.013
 #: Inches of one view, and of the graph.
 VIEW, GRAPH = 6.0, 5.5
 DPI = 180
-#: Names are written into graphs of so many entities at most, and onto surfaces.
-MOST_NAMES, MOST_LABELS = 60, 40
+#: Largest number of entities whose names are written into graphs, and onto surfaces.
+MAX_NAMES, MAX_LABELS = 60, 40
 #: Links with arrow heads at most; all flow downwards, except for arches.
-MOST_HEADS = 200
+MAX_HEADS = 200
 #: Brightness of a surface seen face on.
 SURFACE = 0.97
 #: How strongly Morse sets are coloured, so that the flow on them is seen.
@@ -42,7 +42,7 @@ SETS = {"source": "repelling set", "sink": "attracting set", "saddle": "saddle-l
 
 
 def draw_analysis(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGraph) -> None:
-    """The field with its fixed points, periodic orbits and separatrices, beside the entity connection graph.
+    """The field with its fixed points, periodic orbits and separatrices, next to the entity connection graph.
 
     mesh: native TriangleMesh. vectors: (n, 3) at its vertices, mesh units per second. graph: of the same field.
     """
@@ -57,7 +57,7 @@ def draw_analysis(path: str | Path, mesh: Any, vectors: np.ndarray, graph: Entit
                 panel.draw_curves([entity.curve], KIND_COLOURS[entity.kind], 2.4)
         points = [entity for entity in graph.entities if entity.curve is None]
         panel.draw_points(np.array([e.position for e in points]), [KIND_COLOURS[e.kind] for e in points])
-        if len(graph.entities) <= MOST_LABELS:
+        if len(graph.entities) <= MAX_LABELS:
             panel.draw_labels(np.array([e.position for e in graph.entities]), [e.name for e in graph.entities])
     _draw_graph(axis, graph)
     _legend(figure, graph, lines=bool(np.isin(lines.roles, list(SEPARATRICES)).any()))
@@ -65,7 +65,7 @@ def draw_analysis(path: str | Path, mesh: Any, vectors: np.ndarray, graph: Entit
 
 
 def draw_morse(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGraph, face_sets: np.ndarray) -> None:
-    """The field with its Morse sets as coloured faces, beside the Morse connection graph.
+    """The field with its Morse sets as coloured faces, next to the Morse connection graph.
 
     face_sets: (m,) int32, per face the Morse set it belongs to (id in graph.entities), -1 for none.
     """
@@ -81,7 +81,7 @@ def draw_morse(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGr
         panel.draw_streamlines(lines, "0.25")
         places = [entity for entity in graph.entities if entity.faces is not None]
         panel.draw_points(np.array([e.position for e in places]), [KIND_COLOURS[e.kind] for e in places], size=12.0)
-        if len(graph.entities) <= MOST_LABELS:
+        if len(graph.entities) <= MAX_LABELS:
             panel.draw_labels(np.array([e.position for e in graph.entities]), [e.name for e in graph.entities])
     _draw_graph(axis, graph)
     _legend(figure, graph, sets=True)
@@ -89,7 +89,7 @@ def draw_morse(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGr
 
 
 def draw_tracking(path: str | Path, mesh: Any, tracking: Any) -> None:
-    """The paths of the fixed points over λ, coloured by λ, with bifurcations, beside their life spans.
+    """The paths of the fixed points over λ, coloured by λ, with bifurcations, next to their life spans.
 
     tracking: a Tracking (analysis/tracking.py), best filtered by persistence.
     """
@@ -106,7 +106,7 @@ def draw_tracking(path: str | Path, mesh: Any, tracking: Any) -> None:
         panel.draw_points(np.array([e.position for e in events]), [(1.0, 1.0, 1.0)] * len(events), size=22.0)
         ends = [track for track in tracking.paths if track.end in ("last", "boundary")]
         panel.draw_points(np.array([t.positions[-1] for t in ends]), [KIND_COLOURS[t.kind] for t in ends], size=22.0)
-        if len(tracking.paths) <= MOST_LABELS:
+        if len(tracking.paths) <= MAX_LABELS:
             middles = np.array([track.positions[len(track.positions) // 2] for track in tracking.paths])
             panel.draw_labels(middles, [track.name for track in tracking.paths])
     _draw_lives(axis, tracking)
@@ -142,9 +142,9 @@ def _page(mesh: Any, graph: EntityGraph | None) -> tuple[list[SurfacePanel], Any
     views = choose_views(mesh)
     widths = [1.8 * VIEW if view.is_map else VIEW for view in views]
     entities = len(graph.entities) if graph is not None else 0
-    beside = GRAPH + 0.07 * min(60, max(0, entities - 20))
-    figure = Figure(figsize=(sum(widths) + beside, VIEW + 0.5), dpi=DPI, layout="constrained")
-    axes = figure.subplots(1, len(views) + 1, width_ratios=[*widths, beside])
+    graph_width = GRAPH + 0.07 * min(60, max(0, entities - 20))
+    figure = Figure(figsize=(sum(widths) + graph_width, VIEW + 0.5), dpi=DPI, layout="constrained")
+    axes = figure.subplots(1, len(views) + 1, width_ratios=[*widths, graph_width])
     panels = [SurfacePanel(axis, mesh, view) for axis, view in zip(axes, views, strict=False)]
     return panels, figure, axes[-1]
 
@@ -169,8 +169,8 @@ def _draw_graph(axis: Any, graph: EntityGraph) -> None:
         drawn = layout(graph)
     except ImportError as fault:
         raise InputError(str(fault)) from None
-    many = len(graph.entities) > MOST_NAMES
-    # Long rows are seen in perspective of their width: the rows keep their distance.
+    many = len(graph.entities) > MAX_NAMES
+    # Marks shrink with the width of the graph; the rows keep their distance.
     wide = max(drawn.width, 4.0)
     size = float(np.clip(9000.0 / (wide + 4.0) ** 1.35, 10.0, 420.0))
     head_size = 6.0 if many else 11.0
@@ -180,7 +180,7 @@ def _draw_graph(axis: Any, graph: EntityGraph) -> None:
         colour = KIND_COLOURS["sink" if leaves else "source"]
         curve = _bent(route)
         axis.plot(*curve.T, color=colour, alpha=0.7, linewidth=line, zorder=1)
-        if len(graph.links) > MOST_HEADS:
+        if len(graph.links) > MAX_HEADS:
             continue
         head = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0, "lw": 0, "mutation_scale": head_size}
         middle = len(curve) // 2
@@ -216,7 +216,7 @@ def _draw_lives(axis: Any, tracking: Any) -> None:
     width = float(np.clip(150.0 / max(1, len(order)), 0.4, 2.0))
     for track in order:
         axis.hlines(row[track.id], track.first, track.last, colors=[KIND_COLOURS[track.kind]], linewidth=width)
-        if len(order) <= MOST_NAMES:
+        if len(order) <= MAX_NAMES:
             axis.text(track.first - 0.008, row[track.id], track.name, ha="right", va="center", fontsize=6, color="0.3")
     for event in tracking.bifurcations:
         rows = [row[path] for path in event.paths if path in row]

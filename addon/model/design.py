@@ -4,7 +4,7 @@
     design.check()                      # InputError: what, where, cure
     Design.from_json(json.load(file))   # the form of design.schema.json
 
-Checks that need the surface (points off it, storms that contradict each other) belong to the native module.
+Checks that need the surface (points off it, elements that contradict each other) belong to the native module.
 """
 
 import json
@@ -159,8 +159,8 @@ class Design:
         return {
             "schema": SCHEMA,
             **({"mesh": dict(mesh)} if mesh else {}),
-            "settings": _changed(self.settings),
-            "elements": [_changed(element) for element in self.elements],
+            "settings": _non_defaults(self.settings),
+            "elements": [_non_defaults(element) for element in self.elements],
         }
 
 
@@ -175,7 +175,7 @@ def check_schema(data: Any) -> None:
     if error is None:
         return
     path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in error.absolute_path).lstrip(".")
-    raise InputError(f"{path or 'design'}: {_said(error)}{_named(data, error.absolute_path)}")
+    raise InputError(f"{path or 'design'}: {_describe(error)}{_element_name(data, error.absolute_path)}")
 
 
 @cache
@@ -183,7 +183,7 @@ def _schema() -> dict[str, Any]:
     return json.loads((Path(__file__).parent / "design.schema.json").read_text(encoding="utf-8"))
 
 
-def _said(error) -> str:
+def _describe(error) -> str:
     """The validator's finding as a fault and its cure, short enough for one line."""
     shown = json.dumps(error.instance, ensure_ascii=False)
     shown = shown if len(shown) <= 40 else shown[:37] + "..."
@@ -213,8 +213,8 @@ def _said(error) -> str:
     return f"{error.message}: see design.schema.json"
 
 
-def _named(data: Any, path: Sequence[Any]) -> str:
-    """Adds the element's name, which says more than its number."""
+def _element_name(data: Any, path: Sequence[Any]) -> str:
+    """(element 'NAME'), because a name is easier to find than a number; empty for other places."""
     path = list(path)
     if len(path) < 2 or path[0] != "elements":
         return ""
@@ -223,14 +223,14 @@ def _named(data: Any, path: Sequence[Any]) -> str:
     return f" (element '{name}')" if isinstance(name, str) else ""
 
 
-def _changed(value: Any) -> dict[str, Any]:
+def _non_defaults(value: Any) -> dict[str, Any]:
     """Fields of a dataclass whose value is not the default, as JSON knows them."""
-    # λ, the kind and the samples are said even when they are the default: a design file should tell its story.
-    told = {"lam", "kind", "samples"}
+    # A reader of the file needs λ, the kind and the samples, even where they have their defaults.
+    always = {"lam", "kind", "samples"}
     result = {}
     for each in fields(value):
         content = getattr(value, each.name)
-        if content == each.default and each.name not in told:
+        if content == each.default and each.name not in always:
             continue
         if each.name == "kind" and value.type != "singular":
             continue

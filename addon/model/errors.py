@@ -1,4 +1,4 @@
-"""Faults a user can mend. The message is shown as it is: it names the element or file, and the cure."""
+"""Faults that the user can correct. Messages are shown as they are: they name the element or file, and the cure."""
 
 
 class InputError(ValueError):

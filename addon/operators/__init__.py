@@ -1,4 +1,4 @@
-"""One operator per deed; each reads the context, calls plain functions and reports in plain words."""
+"""Operators: each reads the context, calls plain functions and reports in plain words."""
 
 import bpy
 

@@ -39,12 +39,12 @@ class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
         obj.stormfield.analysis.shown = "history"
         markers = timeline.update_markers(obj)
         events = len(tracking.bifurcations)
-        told = f"'{obj.name}': {len(tracking.paths)} paths, {events} bifurcations, {markers} timeline markers"
+        report = f"'{obj.name}': {len(tracking.paths)} paths, {events} bifurcations, {markers} timeline markers"
         if hidden:
-            told += f"; {hidden} short-lived paths are hidden, see Filter"
+            report += f"; {hidden} short-lived paths are hidden, see Filter"
         if events and not is_keyed(obj):
-            told += "; key λ to get markers"
-        self.report({"INFO"}, told)
+            report += "; key λ to get markers"
+        self.report({"INFO"}, report)
 
 
 class STORMFIELD_OT_update_markers(FieldOperator, bpy.types.Operator):
@@ -63,7 +63,7 @@ class STORMFIELD_OT_update_markers(FieldOperator, bpy.types.Operator):
             cls.poll_message_set("Analyze over λ first")
             return False
         if not is_keyed(obj):
-            cls.poll_message_set("Key λ first: keys say which frame is which λ")
+            cls.poll_message_set("Key λ first: markers need a λ for each frame")
             return False
         return True
 

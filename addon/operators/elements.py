@@ -22,7 +22,7 @@ PRESETS = {
 
 
 def is_animated(obj: bpy.types.Object) -> bool:
-    """Whether the object, or something it hangs on, moves by keys, drivers or constraints."""
+    """Whether the object, or one of its parents, moves by keys, drivers or constraints."""
     holder: bpy.types.Object | None = obj
     while holder is not None:
         animation = holder.animation_data

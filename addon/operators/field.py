@@ -41,7 +41,7 @@ class STORMFIELD_OT_add_field(bpy.types.Operator):
         obj.stormfield.enabled = True
         if self.key_lambda and compat.find_fcurve(obj, "stormfield.lam") is None:
             key_lambda_over_scene(context.scene, obj)
-        self.report({"INFO"}, f"'{obj.name}' has a field now; add elements that say where it flows")
+        self.report({"INFO"}, f"'{obj.name}' has a field now; add elements to shape its flow")
         return {"FINISHED"}
 
 

@@ -24,13 +24,13 @@ from .shared import FieldOperator, redraw_sidebars, report_fault
 #: Seconds of work in one slice, and between two timer events.
 SLICE = 0.04
 TICK = 0.02
-#: Faults of input, solver, disk and memory: told to the artist. Anything else is our mistake and goes to the console.
+#: Faults of input, solver, disk and memory, reported to the artist. All others are our mistakes and go to the console.
 EXPECTED = (ValueError, RuntimeError, OSError, MemoryError)
 
 
 class JobOperator(FieldOperator):
     job_title = "Working"
-    #: Whether work that is stopped leaves what it has come to: then it is asked to end early, and finish() gets that.
+    #: Whether work that is stopped is asked to end early, and finish() gets what is complete.
     keeps_when_stopped = False
     _shown = ""
     _ending = False
@@ -107,7 +107,7 @@ class JobOperator(FieldOperator):
         return job is None or job.cancel_requested or (event.type == "ESC" and event.value == "PRESS")
 
     def _work(self, context, advance):
-        """advance() takes steps; where they have come to their end, so has the operator."""
+        """advance() takes steps; when the steps end, the operator ends."""
         try:
             advance()
         except StopIteration as end:
@@ -132,7 +132,7 @@ class JobOperator(FieldOperator):
                 break
 
     def _end_early(self):
-        """Ask the steps for what they have come to; a second Esc stops them at once."""
+        """Ask the steps to end with what is complete; a second Esc stops them at once."""
         self._ending, self._job.cancel_requested = True, False
         self._take(self._steps.throw(Stop()))
         self._run_slice()

@@ -1,4 +1,4 @@
-"""Whether this Blender has what Stormfield needs, asked once: the panel says what is wrong and how to mend it."""
+"""Whether this Blender has what Stormfield needs, checked once: the panel names the reason and the cure."""
 
 from functools import cache
 

@@ -1,4 +1,4 @@
-"""What every operator asks of the context: which field is meant, and whether it may be changed now."""
+"""What operators share: conditions of the context, reports, redrawing."""
 
 import bpy
 

@@ -41,7 +41,7 @@ class STORMFIELD_OT_streamlines(AnalysisOperator, bpy.types.Operator):
     )
     taper: FloatProperty(
         name="Taper",
-        description="How much lines narrow at their ends and beside other lines (factor 0..1)",
+        description="How much lines narrow at their ends and next to other lines (factor 0..1)",
         subtype="FACTOR",
         default=1.0,
         min=0.0,
@@ -50,7 +50,7 @@ class STORMFIELD_OT_streamlines(AnalysisOperator, bpy.types.Operator):
     arrows: BoolProperty(name="Arrows", description="Heads on the lines that point with the flow", default=False)
     topology: BoolProperty(
         name="Topology First",
-        description="Draw whole periodic orbits and separatrices first, and all other lines beside them",
+        description="Draw whole periodic orbits and separatrices first, and fit all other lines between them",
         default=True,
     )
 
@@ -71,9 +71,7 @@ class STORMFIELD_OT_streamlines(AnalysisOperator, bpy.types.Operator):
             material=flow_lines(),
         )
         if drawing.quiet_area > 0.0:
-            self.report(
-                {"WARNING"}, f"The field stands still on {drawing.quiet_area:.1%} of the surface: no lines there"
-            )
+            self.report({"WARNING"}, f"The field is zero on {drawing.quiet_area:.1%} of the surface: no lines there")
         if drawing.gaps:
             self.report({"WARNING"}, f"{drawing.gaps} small places could not be reached by a line")
         self.report({"INFO"}, f"'{curves.name}' has {drawing.lines} lines, {int(drawing.closed.sum())} of them closed")

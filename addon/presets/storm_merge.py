@@ -4,7 +4,7 @@
 The planet is a unit sphere that turns about z. Jets are streamlines along circles of latitude, all eastward but of
 different speed, so that the stream function falls from pole to pole and bands follow its level sets. The storms are
 counter-clockwise vortices (anticyclones of the south) on singularity paths: two that wind around each other and end at
-one point at λ = MERGE, and one that starts there and goes on. Angles in radians, speeds in radians per second.
+one point at λ = MERGE, and one that starts there. Angles in radians, speeds in radians per second.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Storm:
     name: str
     places: tuple[tuple[float, float], ...]  # (longitude, latitude) in degrees
     lam: tuple[float, float]
-    turn: float  # angular speed of the core, radians per second
+    spin: float  # angular speed of the core, radians per second
     radius: float
 
 
@@ -43,14 +43,14 @@ JETS = (
 MEETING = (0.0, -20.0)
 
 
-def _approach(bearing: float, distance: float, turn: float, steps: int = 25) -> tuple[tuple[float, float], ...]:
-    """A way to the meeting place that starts at that bearing and distance (degrees) and winds by ``turn`` degrees."""
+def _approach(bearing: float, distance: float, angle: float, steps: int = 25) -> tuple[tuple[float, float], ...]:
+    """A path to the meeting place that starts at that bearing and distance (degrees) and winds by ``angle`` degrees."""
     places = []
     for step in range(steps):
         s = step / (steps - 1)
-        rest, angle = distance * (1.0 - s), math.radians(bearing + turn * s * s)
-        latitude = MEETING[1] + rest * math.sin(angle)
-        places.append((MEETING[0] + rest * math.cos(angle) / math.cos(math.radians(latitude)), latitude))
+        left, direction = distance * (1.0 - s), math.radians(bearing + angle * s * s)
+        latitude = MEETING[1] + left * math.sin(direction)
+        places.append((MEETING[0] + left * math.cos(direction) / math.cos(math.radians(latitude)), latitude))
     return tuple(places)
 
 
@@ -94,7 +94,7 @@ def _add_elements(scene: bpy.types.Scene, planet: bpy.types.Object) -> None:
         source = parts.curve_object(storm.name, path, collection)
         parts.add_element(
             planet, source, type="singular", kind="vortex_ccw", lam_start=storm.lam[0], lam_end=storm.lam[1],
-            strength=storm.turn * storm.radius / size, radius=storm.radius,
+            strength=storm.spin * storm.radius / size, radius=storm.radius,
         )  # fmt: skip
 
 

@@ -24,7 +24,7 @@ LISTS = (
     ("history", "Over λ", "Paths of the fixed points over λ, and their bifurcations", "NONE", 1),
     ("mcg", "Morse", "Morse sets: regions that hold all recurrence of the flow, and their order", "NONE", 2),
 )
-#: What the kind filter tells apart; every kind belongs to one of them.
+#: Groups of the kind filter; every kind belongs to one of them.
 CATEGORIES = (
     ("REPELLING", "Repelling", "Sources and repelling orbits: green", "NONE", 1),
     ("SADDLE", "Saddles", "Saddles: blue", "NONE", 2),
@@ -56,11 +56,13 @@ class EntityItem(bpy.types.PropertyGroup):
     name: StringProperty(name="Name", description="Short and unique")
     kind: StringProperty(name="Kind", description="source, sink, saddle, attracting, creation, ...")
     row: StringProperty(name="Row", description="Row of the graph; of a bifurcation, the kind that meets the saddle")
-    note: StringProperty(name="Note", description="What else there is to say")
+    note: StringProperty(name="Note", description="Further numbers, in words")
     position: FloatVectorProperty(name="Position", description="In object space (mesh units)")
     strength: FloatProperty(name="Strength", description="Rate at which the flow leaves or approaches it (1/s)")
     lam: FloatProperty(name="λ", description="λ where a bifurcation happens (0..1)")
-    life: FloatProperty(name="Life Span", description="Part of λ it lives through; of a bifurcation, its path (0..1)")
+    life: FloatProperty(
+        name="Life Span", description="Fraction of λ it lives through; of a bifurcation, its path (0..1)"
+    )
     lam_start: FloatProperty(name="λ Start", description="λ where it appears (0..1)")
     lam_end: FloatProperty(name="λ End", description="λ where it vanishes (0..1)")
     faces: IntProperty(name="Faces", description="Faces of a Morse set (count)")
@@ -84,7 +86,7 @@ class EntityList(bpy.types.PropertyGroup):
     )
     min_strength: FloatProperty(
         name="Strength",
-        description="Hide what is weaker than this part of the strongest (factor 0..1)",
+        description="Hide what is weaker than this fraction of the strongest (factor 0..1)",
         subtype="FACTOR",
         min=0.0,
         max=1.0,
@@ -93,7 +95,7 @@ class EntityList(bpy.types.PropertyGroup):
     )
     min_life: FloatProperty(
         name="Life Span",
-        description="Hide fixed points that live through a shorter part of λ than this, and their bifurcations (0..1)",
+        description="Hide fixed points that live through less of λ than this fraction, and their bifurcations (0..1)",
         subtype="FACTOR",
         min=0.0,
         max=1.0,
@@ -126,8 +128,8 @@ class AnalysisProperties(bpy.types.PropertyGroup):
     markers: StringProperty(name="Markers", description="Timeline markers that belong to this analysis")
     persistence: FloatProperty(
         name="Persistence",
-        description="Analyze over λ takes out paths that live through a shorter part of λ than this: pairs that appear "
-        "and vanish together go, paths that break for a moment become one (0..1)",
+        description="Analyze over λ takes out paths that live through less of λ than this fraction: pairs that appear "
+        "and vanish together go, paths with a short break become one (0..1)",
         subtype="FACTOR",
         min=0.0,
         max=1.0,
@@ -141,11 +143,11 @@ class AnalysisProperties(bpy.types.PropertyGroup):
     show_orbits: BoolProperty(name="Periodic Orbits", description="Closed streamlines, at the λ analyzed", default=True)
     show_paths: BoolProperty(
         name="Singularity Paths",
-        description="Ways of the fixed points over λ, dark at λ 0 and bright at 1",
+        description="Paths of the fixed points over λ, dark at λ 0 and bright at 1",
         default=True,
     )
     show_sets: BoolProperty(name="Morse Sets", description="Colour the faces of the Morse sets", default=True)
-    show_names: BoolProperty(name="Names", description="Write the names of all entities beside them", default=False)
+    show_names: BoolProperty(name="Names", description="Write the names of all entities next to them", default=False)
     width: FloatProperty(
         name="Line Width",
         description="Width of separatrices; orbits and paths are a little wider (pixels at 100 % interface scale)",

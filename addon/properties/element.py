@@ -6,13 +6,13 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
 TYPES = (
-    ("singular", "Singular", "A fixed point: at an empty, or moving along a curve as λ goes on", "FORCE_VORTEX", 0),
+    ("singular", "Singular", "A fixed point: at an empty, or moving along a curve as λ grows", "FORCE_VORTEX", 0),
     ("streamline", "Streamline", "The field follows the curve over the whole λ range", "CURVE_PATH", 1),
-    ("pathline", "Pathline", "A particle travels along the curve as λ goes from start to end", "TRACKING", 2),
+    ("pathline", "Pathline", "A particle travels along the curve as λ grows from start to end", "TRACKING", 2),
     (
         "regular",
         "Regular",
-        "The field points one way here: along the empty's X axis, or from curve start to curve end",
+        "The field has one direction here: the empty's X axis, or from curve start to curve end",
         "FORWARD",
         3,
     ),
@@ -47,7 +47,7 @@ class ElementProperties(bpy.types.PropertyGroup):
         type=bpy.types.Object,
         name="Source",
         poll=_is_source,
-        description="Curve, hair curves, edges of a mesh, or empty that says where the element is; it may be animated",
+        description="Curve, hair curves, edges of a mesh, or empty where the element is; it may be animated",
     )
     type: EnumProperty(name="Type", description="What the source object means for the field", items=TYPES)
     kind: EnumProperty(name="Kind", description="How the field flows around the fixed point", items=KINDS)
@@ -99,7 +99,7 @@ class ElementProperties(bpy.types.PropertyGroup):
     )
     angle: FloatProperty(
         name="Angle",
-        description="Turn of a saddle's outgoing axis from the empty's X axis, in degrees",
+        description="Angle of a saddle's outgoing axis from the empty's X axis, in degrees",
         subtype="ANGLE",
         min=-math.pi,
         max=math.pi,

@@ -9,7 +9,7 @@ METHODS = (
     (
         "geometry",
         "Directions",
-        "By the direction in which the flow crosses each edge: fast, and Refine parts even what lies in one face",
+        "By the direction in which the flow crosses each edge: fast, and Refine divides even what lies in one face",
         0,
     ),
     ("tau", "Flow Time", "By where the flow takes each face in a time τ: finer, the longer", 1),
@@ -60,7 +60,7 @@ class MorseProperties(bpy.types.PropertyGroup):
     )
     eps: FloatProperty(
         name="Error ε",
-        description="The sets hold for every field that differs from this one by up to so much, as a part of the mean "
+        description="The sets hold for every field that differs from this one by at most this fraction of the mean "
         "speed (percent); for the method Directions, refined or not",
         subtype="PERCENTAGE",
         min=0.0,
@@ -77,7 +77,7 @@ class MorseProperties(bpy.types.PropertyGroup):
     )
     tau_max: FloatProperty(
         name="Largest τ",
-        description="Refinement doubles τ inside a set up to so many times the τ it begins with (factor)",
+        description="Refinement doubles τ inside a set up to this multiple of the first τ (factor)",
         min=1.0,
         soft_max=256.0,
         max=1e6,
@@ -91,8 +91,8 @@ class MorseProperties(bpy.types.PropertyGroup):
         default=False,
     )
     seconds: FloatProperty(
-        name="Time at Most",
-        description="Refinement ends after so long (seconds); what it has is kept",
+        name="Time Limit",
+        description="Refinement ends after this time (seconds) and keeps what it has",
         min=0.1,
         soft_max=60.0,
         default=10.0,
@@ -100,7 +100,7 @@ class MorseProperties(bpy.types.PropertyGroup):
     )
     simplify: FloatProperty(
         name="Simplify",
-        description="Merge sets that errors up to so much would merge, as a part of the mean speed (percent); refined "
+        description="Merge sets that errors up to this fraction of the mean speed (percent) would merge; refined "
         "sets keep the pieces of edges they were found with",
         subtype="PERCENTAGE",
         min=0.0,

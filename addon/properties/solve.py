@@ -33,8 +33,8 @@ class SolveProperties(bpy.types.PropertyGroup):
     )
     tolerance: FloatProperty(
         name="Tolerance",
-        description="Relative residual at which the solver may stop (ratio, no unit). It goes on until the field is "
-        "within about half a percent of the exact one, whatever this is",
+        description="Relative residual at which the solver may stop (ratio, no unit). At any tolerance it continues "
+        "until the field is within about half a percent of the exact one",
         min=1e-9,
         max=1e-1,
         default=1e-4,

@@ -1,4 +1,4 @@
-"""Data sets → mesh and field, by the ending of the file: read_field() and read_mesh() are the doors.
+"""Data sets → mesh and field, by the ending of the file: read_field() and read_mesh().
 
     .t                the format of the thesis's data: faces vertices, triangles, positions, vectors
     folder            a baked λ cache
@@ -15,14 +15,15 @@ from ..model.mesh_data import MeshData
 from .field_data import FieldData, NoFieldError
 
 GRIDS = {".npz", ".nc", ".nc4", ".cdf", ".h5"}
-#: Faces of the sphere that carries wind when nothing else is said.
+#: Faces of the sphere that carries wind by default.
 SPHERE_FACES = 20480
 
 
 def read_field(
     path: str | Path, *, vector: str | None = None, sphere_faces: int | None = None, attribute: str = "sf_advection"
 ) -> FieldData:
-    """vector: names of the point data, "name" or "x,y,z". sphere_faces: about so many, wind only. attribute: caches."""
+    """vector: names of the point data, "name" or "x,y,z". sphere_faces: approximate number, of wind. attribute: of a
+    cache."""
     path = _existing(path)
     ending = path.suffix.lower()
     if path.is_dir() or path.name == "field.usda":

@@ -29,16 +29,16 @@ def icosphere(faces: int) -> MeshData:
         )
     ]
     local = np.array([[number[corner] for corner in triple] for triple in small])
-    keys, parts = [], []
+    keys, faces_of = [], []
     for face, triangle in enumerate(triangles):
         key = np.zeros((len(steps), 12), np.int64)
         key[:, triangle] = weights
         keys.append(key)
-        parts.append(local + face * len(steps))
+        faces_of.append(local + face * len(steps))
     unique, inverse = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
     points = unique @ corners
     points /= np.linalg.norm(points, axis=1, keepdims=True)
-    faces_found = inverse.ravel()[np.concatenate(parts)]
+    faces_found = inverse.ravel()[np.concatenate(faces_of)]
     a, b, c = (points[faces_found[:, k]] for k in range(3))
     inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a) < 0
     faces_found[inward] = faces_found[inward][:, [0, 2, 1]]

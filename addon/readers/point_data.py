@@ -31,8 +31,10 @@ def read_surface(path: Path) -> tuple[MeshData, dict[str, np.ndarray]]:
         if _empty_ply(path):
             raise InputError(f"{path}: has no vertices; give a surface of triangles") from error
         reason = str(error).strip().splitlines()
-        said = f" ({reason[0]})" if reason and not reason[0].isdigit() else ""
-        raise InputError(f"{path}: is not a mesh that can be read{said}; use .t, .ply, .obj, .vtk or .vtu") from error
+        because = f" ({reason[0]})" if reason and not reason[0].isdigit() else ""
+        raise InputError(
+            f"{path}: is not a mesh that can be read{because}; use .t, .ply, .obj, .vtk or .vtu"
+        ) from error
     triangles = [_fans(block.data) for block in found.cells if block.type in {"triangle", "quad", "polygon"}]
     if not triangles or not sum(map(len, triangles)):
         raise InputError(f"{path}: has no faces; give a surface of triangles")

@@ -55,7 +55,7 @@ def _netcdf(path: Path):
     try:
         with xarray.open_dataset(path) as data:
             arrays = {str(name): data[name] for name in data.variables}
-            # Standard names say what a variable is whatever it is called.
+            # A standard name identifies a variable whatever its own name is.
             meanings = {data[name].attrs.get("standard_name"): data[name] for name in data.variables}
             latitude = _meant(meanings, "latitude", arrays, LATITUDE, path)
             longitude = _meant(meanings, "longitude", arrays, LONGITUDE, path)
@@ -67,8 +67,8 @@ def _netcdf(path: Path):
     except InputError:
         raise
     except Exception as error:
-        said = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
-        raise InputError(f"{path}: is not a latitude-longitude grid that xarray reads ({said})") from error
+        reason = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
+        raise InputError(f"{path}: is not a latitude-longitude grid that xarray reads ({reason})") from error
 
 
 def _meant(meanings, meaning: str, arrays, names, path: Path):

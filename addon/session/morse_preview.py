@@ -122,7 +122,7 @@ def _collect_results() -> None:
         try:
             found = work.job.result()
         except (ValueError, RuntimeError):
-            continue  # the operator tells what is wrong; a preview is silent
+            continue  # the operator reports what is wrong; a preview is silent
         _count += 1
         graph = morse_graph(found, work.surface, work.lam)
         kinds = [entity.kind for entity in graph.entities]

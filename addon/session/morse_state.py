@@ -1,4 +1,4 @@
-"""The last Morse decomposition of each object, which simplification and refinement go on from.
+"""The last Morse decomposition of each object, from which simplification and refinement start.
 
 Known by the object's session uid, and never saved: after a file was opened, Morse Sets makes it again. The slider
 *Simplify* takes effect a moment after it has stopped, so that dragging stays smooth.
@@ -102,7 +102,7 @@ def simplify_later(obj: bpy.types.Object) -> None:
 
 
 def simplify(obj: bpy.types.Object) -> bool:
-    """Merge what errors up to the slider's value merge; whether there was something to go on from."""
+    """Merge what errors up to the slider's value merge; whether there was a decomposition to merge in."""
     state = of(obj)
     if state is None or why_no_simplification(obj):
         return False

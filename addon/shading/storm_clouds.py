@@ -14,7 +14,7 @@ import bpy
 from ..scene.nodes.tree import (
     Tree,
     add_input,
-    add_vector_input,
+    add_socket,
     group_inputs,
     new_material,
     node_group,
@@ -40,7 +40,7 @@ STORM = (
 @node_group(LAYER)
 def layer_group(tree: Tree) -> None:
     """The noises of one phase: swirls and filaments, bent by one warp, and an unbent relief."""
-    add_vector_input(tree, "Coordinate")
+    add_socket(tree, "Coordinate", "NodeSocketVector")
     add_input(tree, "Eddies", 7.0, 0, 100)
     add_input(tree, "Filaments", 24.0, 0, 500)
     given = group_inputs(tree)

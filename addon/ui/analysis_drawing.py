@@ -16,7 +16,7 @@ from ..session import morse_preview
 from . import drawing_cache
 from .field_drawing import LIFT, Surface, lifted
 
-#: Widths of lines, in parts of the artist's line width.
+#: Widths of lines over the artist's line width.
 WIDTHS = {results.SEPARATRICES: 1.0, results.ORBITS: 1.7, results.PATHS: 1.8}
 #: λ nearer than this is the λ that was analyzed.
 SAME_LAM = 5e-4
@@ -24,7 +24,7 @@ SAME_LAM = 5e-4
 
 @dataclass
 class Lines:
-    """Curves of one role as segments; `owner` tells whose each segment is."""
+    """Curves of one role as segments; `owners` are the entities of each segment."""
 
     role: str
     ends: np.ndarray  #: (l, 2, 3)
@@ -51,8 +51,8 @@ class Mark:
 
 
 @dataclass
-class Way:
-    """A path over λ, to know where its fixed point is now."""
+class PathDrawing:
+    """A path over λ, with the place of its fixed point at each."""
 
     index: int
     name: str
@@ -85,7 +85,7 @@ class AnalysisDrawing:
     lines: dict[str, Lines] = field(default_factory=dict)
     marks: list[Mark] = field(default_factory=list)  #: of events and sets; fixed points are marked by the field itself
     entities: list[Mark] = field(default_factory=list)  #: of the graph at its λ
-    paths: list["Way"] = field(default_factory=list)
+    paths: list["PathDrawing"] = field(default_factory=list)
     faces: Faces | None = None
     counts: dict[str, Counter] = field(default_factory=dict)  #: per list, how many of each kind pass the filters
 
@@ -144,7 +144,7 @@ def _make(evaluated, surface: Surface, mesh) -> AnalysisDrawing:
         lines = _lines(obj, role, names, shown[which], surface, mesh)
         if lines is not None:
             drawing.lines[role] = lines
-    drawing.paths = _ways(obj, analysis.history, shown["history"], surface, mesh)
+    drawing.paths = _paths(obj, analysis.history, shown["history"], surface, mesh)
     drawing.entities = _marks("ecg", analysis.ecg, shown["ecg"], surface, mesh)
     events = [i for i in np.flatnonzero(shown["history"]) if analysis.history.items[i].kind in results.EVENT_KINDS]
     drawing.marks = _marks("history", analysis.history, _only(shown["history"], events), surface, mesh)
@@ -170,7 +170,7 @@ def _lines(obj, role: str, names, shown: np.ndarray, surface: Surface, mesh) -> 
     owners = np.stack([results.read_attribute(obj, role, name) for name in names], axis=1)
     colours = np.split(results.read_attribute(obj, role, "colour"), np.cumsum([len(c) for c in curves])[:-1])
     raised = np.split(lift(np.concatenate(curves), surface, mesh)[0], np.cumsum([len(c) for c in curves])[:-1])
-    ends, tints, whose = [], [], []
+    ends, tints, entities = [], [], []
     for points, tint, owner in zip(raised, colours, owners, strict=True):
         if not shown[owner[0]] or not shown[owner[1]]:
             continue
@@ -178,13 +178,13 @@ def _lines(obj, role: str, names, shown: np.ndarray, surface: Surface, mesh) -> 
             points, tint = np.r_[points, points[:1]], np.r_[tint, tint[:1]]
         ends.append(np.stack([points[:-1], points[1:]], axis=1))
         tints.append(np.stack([tint[:-1], tint[1:]], axis=1))
-        whose.append(np.tile(owner, (len(points) - 1, 1)))
+        entities.append(np.tile(owner, (len(points) - 1, 1)))
     if not ends:
         return None
-    return Lines(role, np.concatenate(ends), np.concatenate(tints), np.concatenate(whose))
+    return Lines(role, np.concatenate(ends), np.concatenate(tints), np.concatenate(entities))
 
 
-def _ways(obj, entities, shown: np.ndarray, surface: Surface, mesh) -> list[Way]:
+def _paths(obj, entities, shown: np.ndarray, surface: Surface, mesh) -> list[PathDrawing]:
     curves = results.read_curves(obj, results.PATHS)
     if not curves or not len(shown):
         return []
@@ -194,7 +194,7 @@ def _ways(obj, entities, shown: np.ndarray, surface: Surface, mesh) -> list[Way]
     owners = results.read_attribute(obj, results.PATHS, "entity").tolist()
     items = entities.items
     return [
-        Way(index, items[index].name, items[index].kind, times, points)
+        PathDrawing(index, items[index].name, items[index].kind, times, points)
         for index, times, points in zip(owners, lam, raised, strict=True)
         if shown[index]
     ]

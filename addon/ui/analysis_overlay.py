@@ -124,7 +124,7 @@ def visible_marks(obj: bpy.types.Object, drawing) -> list:
     analysis = obj.stormfield.analysis
     marks = [mark for mark in drawing.marks if mark.which == "history" and analysis.show_paths]
     if analysis.shown == "history" and analysis.show_paths:
-        marks += [mark for way in drawing.paths if (mark := way.mark(obj.stormfield.lam)) is not None]
+        marks += [mark for path in drawing.paths if (mark := path.mark(obj.stormfield.lam)) is not None]
     if analysis.show_sets and analysis.shown == "mcg":
         marks += [mark for mark in drawing.marks if mark.which == "mcg"]
     if analysis_drawing.is_current(obj, analysis.ecg) and analysis.shown == "ecg":

@@ -13,7 +13,7 @@ from . import graph_editor
 from .entity_details import draw_entity
 from .panel_parts import FieldPanel, draw_progress, hint, text_lines
 
-#: What a list says while it is empty.
+#: What stands in place of an empty list.
 EMPTY = {
     "ecg": "Analyze at this Frame finds fixed points, orbits and their links",
     "history": "Analyze over λ follows the fixed points and finds bifurcations",
@@ -79,9 +79,7 @@ class STORMFIELD_PT_look_analysis(FieldPanel, bpy.types.Panel):
         self.layout.prop(active_field(context).stormfield.analysis, "show", text="")
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.settings_layout()
         field = active_field(context).stormfield
         analysis = field.analysis
         layout.active = analysis.show and field.look.show_overlay
@@ -117,7 +115,7 @@ def _draw_filters(layout, entities, which: str) -> None:
 
 
 class STORMFIELD_OT_show_graph(bpy.types.Operator):
-    """Show the graph of the entities in an editor beside the 3D view"""
+    """Show the graph of the entities in an editor below the 3D view"""
 
     bl_idname = "stormfield.show_graph"
     bl_label = "Show Graph"

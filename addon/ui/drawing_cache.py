@@ -11,9 +11,9 @@ from ..session import morse_state
 from . import field_drawing
 from .field_drawing import Surface
 
-#: A storm whose in- or outflow is less than this part of its turning is shown as a center, as it was meant.
+#: A fixed point whose divergence is less than this fraction of its curl is shown as a center.
 CENTER_TOLERANCE = 0.05
-#: Below this part of the highest speed there is no field (a part of the mesh without element), and nothing to mark.
+#: Below this fraction of the highest speed there is no field (a component of the mesh without element).
 NO_FIELD = 1e-6
 
 
@@ -39,7 +39,7 @@ class _Entry:
     note: str = ""
     seeds: dict = field(default_factory=dict)
     values: np.ndarray | None = None  #: (n, 3) of the field that is drawn
-    taus: dict = field(default_factory=dict)  #: starting values by method, once asked for
+    taus: dict = field(default_factory=dict)  #: starting values by method, once computed
     compared: tuple = ()  #: generation of the object when its shape was last compared
     key: tuple = ()
     drawing: Drawing | None = None
@@ -113,7 +113,7 @@ def starting_tau(obj: bpy.types.Object, method: str) -> float | None:
 def _starting_tau(entry: _Entry, method: str) -> float | None:
     try:
         return native.starting_tau(native.VectorField.from_space(entry.mesh, entry.values), morse_state.UNITS[method])
-    except ValueError:  # of a field that stands still, or is not finite
+    except ValueError:  # of a field that is zero, or not finite
         return None
 
 

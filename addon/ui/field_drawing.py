@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import native
 
-#: Distance between lines and surface, as a part of the object's diagonal.
+#: Distance between lines and surface, over the object's diagonal.
 LIFT = 0.003
 
 
@@ -25,10 +25,15 @@ class Surface:
         return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) or 1.0
 
     @cached_property
+    def area_vectors(self) -> np.ndarray:
+        """(m, 3) normals of the triangles, twice as long as their areas; of meshes too that are no surface."""
+        a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
+        return np.cross(b - a, c - a)
+
+    @cached_property
     def normals(self) -> np.ndarray:
         """(n, 3) at the vertices, weighted by area."""
-        a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
-        crossed = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+        crossed = np.repeat(self.area_vectors, 3, axis=0)
         owner = self.triangles.ravel()
         count = len(self.vertices)
         normals = np.stack([np.bincount(owner, crossed[:, axis], count) for axis in range(3)], axis=1)
@@ -45,8 +50,7 @@ class Seeds:
 def spread_seeds(surface: Surface, density: int) -> Seeds:
     """Evenly spread places: a low-discrepancy sequence by area, thinned to one place per cell of a grid."""
     spacing = float(np.ptp(surface.vertices, axis=0).max()) / density
-    a, b, c = (surface.vertices[surface.triangles[:, i]] for i in range(3))
-    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    areas = 0.5 * np.linalg.norm(surface.area_vectors, axis=1)
     total = areas.sum()
     if total <= 0 or spacing <= 0:
         return Seeds(np.zeros(0, np.int32), np.zeros((0, 3)), spacing)

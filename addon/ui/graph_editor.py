@@ -2,7 +2,7 @@
 
 Blender draws the nodes; links are drawn here, from the bottom of a node to the top of the next, in colours that fade
 from one entity to the other. Those of the selected entity stand out. The editor shows the graph of the active field by
-itself. Nothing is written while drawing: a node that was clicked is taken over a moment later, by a timer.
+itself. Nothing is written while drawing: a timer takes a clicked node over into the list, right after.
 """
 
 import bpy
@@ -28,8 +28,8 @@ from ..session import objects
 from . import icons
 from .entity_details import draw_entity
 
-#: Height of a node that is folded into a pill, in its tree's units.
-PILL = 20.0
+#: Height of a collapsed node, in its tree's units.
+NODE_HEIGHT = 20.0
 #: Pieces of a link's curve.
 PIECES = 16
 _handle = None
@@ -45,7 +45,7 @@ class RouteItem(bpy.types.PropertyGroup):
 
 
 class StormfieldGraph(bpy.types.NodeTree):
-    """Which entities the flow has and where it leads: repelling ones above, saddles between, attracting ones below"""
+    """Graph of the entities: repelling ones above, saddles between, attracting ones below; links go with the flow"""
 
     bl_idname = entity_nodes.TREE
     bl_label = "Stormfield Graph"
@@ -249,8 +249,8 @@ def link_lines(tree: bpy.types.NodeTree) -> tuple[np.ndarray, np.ndarray]:
 def _curve(start: np.ndarray, end: np.ndarray, bend: np.ndarray | None, row: float) -> np.ndarray:
     """From edge to edge of two nodes: leaves and arrives upright; within a row an arch above it."""
     t = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
-    half = np.array([0.0, 0.5 * PILL])
-    if abs(start[1] - end[1]) < PILL:
+    half = np.array([0.0, 0.5 * NODE_HEIGHT])
+    if abs(start[1] - end[1]) < NODE_HEIGHT:
         rise = min(0.3 * abs(end[0] - start[0]), 0.8 * row)
         top = np.array([0.5 * (start[0] + end[0]), max(start[1], end[1]) + rise])
         start, end = start + half, end + half

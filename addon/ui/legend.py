@@ -1,4 +1,4 @@
-"""The legend: a quiet box in the lower right corner of the view, with one block for each thing that is drawn."""
+"""The legend: a box in the lower right corner of the view, with one block for each thing that is drawn."""
 
 from dataclasses import dataclass, field
 

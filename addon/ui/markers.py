@@ -52,8 +52,8 @@ OUTLINES = {
 def shape(kind: str) -> list[tuple[np.ndarray, Colour]]:
     """Convex polygons (k, 2) with colours, painted in this order; a radius of 1 is the marker's own.
 
-    Shapes differ too, for eyes that do not tell red from green: a source has a bright core, a sink is full, a saddle is
-    a diamond, a center is a ring; orbits are wide rings, with a bright core where they repel.
+    Shapes differ too, for eyes that see no difference between red and green: a source has a bright core, a sink is
+    full, a saddle is a diamond, a center is a ring; orbits are wide rings, with a bright core where they repel.
     """
     colour = (*colour_of(kind), 1.0)
     if kind in OUTLINES:

@@ -15,9 +15,7 @@ class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.settings_layout()
         obj = active_field(context)
         settings = obj.stormfield.morse
 
@@ -25,7 +23,7 @@ class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
             row.use_property_split = False
             row.prop(settings, "live", text="", icon="HIDE_OFF" if settings.live else "HIDE_ON")
 
-        job_button(context, layout, STORMFIELD_OT_morse_sets, obj, "MOD_MASK", beside=live, titles=("Refining",))
+        job_button(context, layout, STORMFIELD_OT_morse_sets, obj, "MOD_MASK", on_right=live, titles=("Refining",))
         column = layout.column()
         column.prop(settings, "method")
         if settings.method == "geometry":

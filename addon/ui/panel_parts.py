@@ -10,6 +10,12 @@ class SidebarPanel:
     bl_region_type = "UI"
     bl_category = "Stormfield"
 
+    def settings_layout(self):
+        """The panel's layout for settings: names on the left, no dots for keyframes."""
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        return self.layout
+
 
 class FieldPanel(SidebarPanel):
     """A panel that shows only where there is a field."""
@@ -19,18 +25,18 @@ class FieldPanel(SidebarPanel):
         return active_field(context) is not None
 
 
-def job_button(context, layout, operator, obj, icon: str, beside=None, titles: tuple[str, ...] = ()) -> None:
+def job_button(context, layout, operator, obj, icon: str, on_right=None, titles: tuple[str, ...] = ()) -> None:
     """The large button of a panel's long work, and below it why it is grey; while it runs, its progress instead.
 
-    beside(row): draws more on the button's right. titles: of other jobs that this panel shows the progress of.
+    on_right(row): draws more on the button's right. titles: of other jobs whose progress this panel shows.
     """
     if draw_progress(layout, operator.job_title, *titles):
         return
     row = layout.row(align=True)
     row.scale_y = 1.4
     row.operator(operator.bl_idname, icon=icon)
-    if beside is not None:
-        beside(row)
+    if on_right is not None:
+        on_right(row)
     hint(context, layout, operator.why_not(obj))
 
 
@@ -48,7 +54,7 @@ def draw_progress(layout, *titles: str) -> bool:
 
 
 def hint(context, layout, reason: str) -> None:
-    """Why the button above is grey. What this Blender lacks is said once, in the Field panel."""
+    """Why the button above is grey. The Field panel alone names what this Blender lacks."""
     if reason and reason != requirements.problem():
         text_lines(context, layout, reason, icon="INFO")
 

@@ -25,9 +25,7 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
     bl_label = "Field"
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.settings_layout()
         problem = requirements.problem()
         if problem:
             box = layout.box()
@@ -109,9 +107,7 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
             STORMFIELD_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.settings_layout()
         obj = active_field(context)
         settings = obj.stormfield.solve
         job_button(context, layout, solve.STORMFIELD_OT_solve, obj, icon="PLAY")
@@ -132,9 +128,7 @@ class STORMFIELD_PT_bake(FieldPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.settings_layout()
         obj = active_field(context)
         settings = obj.stormfield.bake
         job_button(context, layout, bake.STORMFIELD_OT_bake, obj, icon="RENDER_ANIMATION")
@@ -184,9 +178,7 @@ class STORMFIELD_PT_look(FieldPanel, bpy.types.Panel):
         self.layout.prop(active_field(context).stormfield.look, "show_overlay", text="")
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.settings_layout()
         look = active_field(context).stormfield.look
         layout.active = look.show_overlay
         column = layout.column()

@@ -1,6 +1,6 @@
 """A click on an entity in the 3D view selects it, with every tool: a gizmo without a picture of its own.
 
-Blender asks the gizmo first whether something of it lies under the pointer, so that a click beside all markers does
+Blender asks the gizmo first whether something of it lies under the pointer, so that a click that hits no marker does
 what it always does. Bifurcations, Morse sets and entities can be hit at their markers, orbits and paths along their
 lines; what the surface hides cannot.
 """
@@ -59,9 +59,9 @@ def _distance_to_lines(context, matrix, ends: np.ndarray, pointer: np.ndarray):
     flat = marker_drawing.on_screen(context, matrix, ends.reshape(-1, 3)).reshape(-1, 2, 2)
     start, along = flat[:, 0], flat[:, 1] - flat[:, 0]
     length = np.maximum((along**2).sum(axis=1), 1e-12)
-    part = np.clip(((pointer - start) * along).sum(axis=1) / length, 0.0, 1.0)
-    away = np.linalg.norm(start + part[:, None] * along - pointer, axis=1)
-    places = ends[:, 0] + part[:, None] * (ends[:, 1] - ends[:, 0])
+    fraction = np.clip(((pointer - start) * along).sum(axis=1) / length, 0.0, 1.0)
+    away = np.linalg.norm(start + fraction[:, None] * along - pointer, axis=1)
+    places = ends[:, 0] + fraction[:, None] * (ends[:, 1] - ends[:, 0])
     return np.where(np.isfinite(away), away, np.inf), places
 
 
@@ -74,11 +74,11 @@ def _hidden(context, evaluated, place: np.ndarray) -> bool:
     origin = view3d_utils.region_2d_to_origin_3d(context.region, context.region_data, pixel)
     inverse = evaluated.matrix_world.inverted_safe()
     start, end = inverse @ origin, Vector(place)
-    way = end - start
-    if way.length == 0:
+    ray = end - start
+    if ray.length == 0:
         return False
     slack = 4 * analysis_drawing.LIFT * max(evaluated.dimensions) / max(max(evaluated.matrix_world.to_scale()), 1e-9)
-    return bool(evaluated.ray_cast(start, way.normalized(), distance=max(way.length - slack, 1e-6))[0])
+    return bool(evaluated.ray_cast(start, ray.normalized(), distance=max(ray.length - slack, 1e-6))[0])
 
 
 class STORMFIELD_GT_entities(bpy.types.Gizmo):

@@ -66,6 +66,16 @@ def put_field():
 
 
 @pytest.fixture
+def rings(ball, put_field):
+    """The ball with a field in which the equator attracts and both poles repel."""
+    import numpy as np
+
+    up = np.array([0.0, 0.0, 1.0])
+    put_field(ball, lambda places: np.cross(up, places) - places[:, 2:] * (up - places * places[:, 2:]))
+    return ball
+
+
+@pytest.fixture
 def storms(ball, add_curve):
     """The ball with two vortices at the poles' sides and a stream between: a design that solves fast."""
     from stormfield.scene.write.elements import add_element

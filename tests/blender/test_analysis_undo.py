@@ -9,14 +9,6 @@ pytestmark = pytest.mark.usefixtures("native")
 
 
 @pytest.fixture
-def rings(ball, put_field):
-    """The equator attracts, both poles repel."""
-    up = np.array([0.0, 0.0, 1.0])
-    put_field(ball, lambda places: np.cross(up, places) - places[:, 2:] * (up - places * places[:, 2:]))
-    return ball
-
-
-@pytest.fixture
 def solved(storms):
     if not bpy.app.build_options.usd:
         pytest.skip("this Blender has no USD")

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from stormfield.scene.read.results import find_curves
-from stormfield.scene.write.curve_objects import make_curves, remove_curves, results_collection
+from stormfield.scene.write.curve_objects import make_curves, remove_curves
 
 LINES = [np.arange(9.0).reshape(3, 3), np.arange(12.0).reshape(4, 3) + 1.0]
 
@@ -96,7 +96,9 @@ def test_removing_takes_the_data_along(scene):
     assert len(bpy.data.hair_curves) == 0
 
 
-def test_results_have_one_collection(scene):
-    collection = results_collection(scene)
-    assert results_collection(scene) == collection
-    assert make_curves("Lines", LINES, collection=collection).name in collection.objects
+def test_curves_go_to_the_collection_that_is_asked_for(scene):
+    collection = bpy.data.collections.new("Results")
+    scene.collection.children.link(collection)
+    for _ in range(2):
+        made = make_curves("Lines", LINES, collection=collection)
+        assert list(made.users_collection) == [collection]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from stormfield.cache import usd
 from stormfield.cache.field_cache import FieldCacheWriter, FrameCacheWriter
+from stormfield.cache.layout import STAGE
 from stormfield.model.mesh_data import MeshData
 from stormfield.model.polygons import Polygons
 
@@ -48,7 +49,7 @@ def write(writer, samples):
     for j in writer.missing():
         writer.write_sample(j, samples[j])
     assert writer.finish()
-    return writer.stage_path
+    return writer.folder / STAGE
 
 
 def attach(obj, name, stage):

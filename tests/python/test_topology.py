@@ -55,7 +55,7 @@ def test_finds_the_orbits(topology):
 
 
 def test_makes_an_entity_graph(field, topology):
-    graph = entity_graph(topology, field[0], 0.25)
+    graph = entity_graph(topology, 0.25)
     assert graph.lam == 0.25
     assert [entity.id for entity in graph.entities] == list(range(4))
     assert len({entity.name for entity in graph.entities}) == 4
@@ -76,7 +76,7 @@ def test_links_follow_the_flow():
     # Two sinks, a saddle between, everything comes from the boundary.
     vectors = np.stack([0.25 * x - x**3, -y, 0 * x], 1) + 1e-3
     topology = native.start_topology(native.VectorField.from_space(mesh, vectors)).result()
-    graph = entity_graph(topology, mesh)
+    graph = entity_graph(topology)
     assert sorted(entity.kind for entity in graph.entities) == ["saddle", "sink", "sink"]
     assert len(graph.links) == 2
     for link in graph.links:

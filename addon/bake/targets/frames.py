@@ -7,8 +7,8 @@ a solid texture T with mean m, taken at both phases, without losing contrast:
 
     m + ((1 - blend) (T(a) - m) + blend (T(b) - m)) / sqrt((1 - blend)² + blend²)
 
-Each frame is computed from the task alone, not from its neighbours: any part of a bake gives the same bytes. Before its
-first frame the animation is taken to stand still at the first λ.
+Each frame is computed from the task alone, not from its neighbours: any split gives the same bytes. Before its
+first frame λ is taken to be constant.
 """
 
 from collections.abc import Iterable

@@ -3,7 +3,7 @@
 target = FlowMaps(task, cache, origin)
 missing = target.missing(target.samples(task.indices()))
 remarks = run(target.write(missing))
-target.finish()                                    # False while other machines owe samples
+target.finish()                                    # False while samples of other machines are missing
 """
 
 from collections.abc import Iterable, Mapping

@@ -14,7 +14,7 @@ from ...analysis.entities import Entity, EntityGraph
 from ...analysis.layout import layout
 
 TREE, NODE = "StormfieldGraph", "StormfieldEntity"
-#: Width of a node, distance of neighbours, and of rows: at least, and as a part of the graph's width.
+#: Width of a node, distance of neighbours, and of rows: at least, and over the graph's width.
 WIDTH, STEP = 70.0, 88.0
 ROW, SLANT = 120.0, 0.12
 
@@ -52,7 +52,7 @@ def _new_node(tree: bpy.types.NodeTree, entity: Entity, place: np.ndarray) -> bp
     node.name, node.entity, node.kind = entity.name, entity.id, entity.kind
     node.label = entity.name
     node.width = WIDTH
-    node.hide = True  # a pill with the entity's name
+    node.hide = True  # collapsed: it shows the entity's name alone
     node.location = place - (0.5 * WIDTH, 0.0)
     node.use_custom_color, node.color = True, KIND_COLOURS.get(entity.kind, KIND_COLOURS["other"])
     node.select = False

@@ -3,7 +3,7 @@
 
 A ``Socket`` is the output of a node; arithmetic on it adds math nodes, so that the formula of a material reads
 like the formula in its comment. ``Tree`` wraps one node tree; ``arrange`` lays the nodes out in columns by their
-distance from the output, for whoever opens the material.
+distance from the output, for artists who open the material.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Sequence
-from typing import TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 import bpy
 
@@ -23,13 +23,13 @@ Operand: TypeAlias = "Socket | float | Sequence[float]"
 
 def srgb(hexadecimal: str) -> tuple[float, float, float, float]:
     """'#rrggbb' as the scene-linear RGBA that nodes expect."""
-    parts = [int(hexadecimal[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+    channels = [int(hexadecimal[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
     return (linear[0], linear[1], linear[2], 1.0)
 
 
 class Socket:
-    """Output socket of a node, with arithmetic. Vectors and scalars are told apart by the socket's type."""
+    """Output socket of a node, with arithmetic. The socket's type says whether it is a vector or a scalar."""
 
     def __init__(self, tree: Tree, socket: bpy.types.NodeSocket):
         self.tree, self.socket = tree, socket
@@ -132,6 +132,23 @@ class Tree:
         node = self.node("ShaderNodeAttribute", attribute_type="GEOMETRY", attribute_name=name, label=name)
         return Socket(self, node.outputs[output])
 
+    def named_attribute(self, name: str, data_type: str) -> Socket:
+        """Attribute of the geometry, in Geometry Nodes."""
+        node = self.node("GeometryNodeInputNamedAttribute", data_type=data_type)
+        node.inputs["Name"].default_value = name
+        return Socket(self, next(s for s in node.outputs if s.enabled and s.name == "Attribute"))
+
+    def scene_time(self, unit: str) -> Socket:
+        """The scene's time in "Seconds" or as "Frame", in Geometry Nodes."""
+        return Socket(self, self.node("GeometryNodeInputSceneTime").outputs[unit])
+
+    def without(self, geometry: Socket, domain: str, selection: Socket) -> Socket:
+        """The geometry without its selected points or curves."""
+        node = self.node("GeometryNodeDeleteGeometry", domain=domain)
+        self.connect(geometry, node.inputs["Geometry"])
+        self.connect(selection, node.inputs["Selection"])
+        return Socket(self, node.outputs["Geometry"])
+
     def noise(
         self,
         coordinate: Socket,
@@ -166,16 +183,18 @@ class Tree:
         for name, value in zip(inputs, (coordinate, scale, frequency, 1.0), strict=True):
             self.connect(value, node.inputs[name])
         self.connect(direction, next(s for s in node.inputs if s.identifier == "Orientation 3D"))
-        turn = Socket(self, node.outputs["Phase"]) * math.tau
+        angle = Socket(self, node.outputs["Phase"]) * math.tau
         radius = Socket(self, node.outputs["Intensity"]) * weight
-        return self.math("COSINE", turn) * radius, self.math("SINE", turn) * radius
+        return self.math("COSINE", angle) * radius, self.math("SINE", angle) * radius
 
     def object_normal(self) -> Socket:
         """The smooth normal in the space of the mesh, as the fields are."""
         world = Socket(self, self.node("ShaderNodeNewGeometry").outputs["Normal"])
-        turn = self.node("ShaderNodeVectorTransform", vector_type="NORMAL", convert_from="WORLD", convert_to="OBJECT")
-        self.connect(world, turn.inputs[0])
-        return Socket(self, turn.outputs[0])
+        transform = self.node(
+            "ShaderNodeVectorTransform", vector_type="NORMAL", convert_from="WORLD", convert_to="OBJECT"
+        )
+        self.connect(world, transform.inputs[0])
+        return Socket(self, transform.outputs[0])
 
     def facing(self) -> Socket:
         """0 where the surface faces the viewer, 1 at its rim."""
@@ -240,10 +259,12 @@ class Tree:
             filled[depth[node]] = y - ROW - 24.0 * visible
 
 
-def node_group(name: str) -> Callable[[Callable[[Tree], None]], Callable[[], bpy.types.NodeTree]]:
-    """Decorator of a function that fills a shader node group: the group is built once in a file and shared by all
-    materials. Building it again in place would cut the links of those that use it, so a group of an older add-on stays
-    with its materials."""
+def node_group(
+    name: str, kind: str = "ShaderNodeTree"
+) -> Callable[[Callable[[Tree], None]], Callable[[], bpy.types.NodeTree]]:
+    """Decorator of a function that fills a node group: the group is built once in a file and shared by all that use it,
+    materials, or modifiers where its kind is GeometryNodeTree. Building it again in place would cut the links of its
+    users, so a group of an older add-on stays with them."""
 
     def decorate(fill: Callable[[Tree], None]) -> Callable[[], bpy.types.NodeTree]:
         @functools.wraps(fill)
@@ -252,8 +273,10 @@ def node_group(name: str) -> Callable[[Callable[[Tree], None]], Callable[[], bpy
             for known in bpy.data.node_groups:
                 if known.get("stormfield") == mark:
                     return known
-            made = cast(bpy.types.NodeTree, bpy.data.node_groups.new(name, "ShaderNodeTree"))
+            made = cast(Any, bpy.data.node_groups.new(name, kind))
             made["stormfield"] = mark
+            if kind == "GeometryNodeTree":
+                made.is_modifier = True
             fill(Tree(made))
             return made
 
@@ -265,7 +288,7 @@ def node_group(name: str) -> Callable[[Callable[[Tree], None]], Callable[[], bpy
 def add_input(
     tree: Tree, name: str, default: float | Sequence[float], low: float = 0.0, high: float = 1.0, tip: str = ""
 ) -> None:
-    """One input of a group: a float with limits, or a colour when the default has four parts."""
+    """One input of a group: a float with limits, or a colour when the default has four numbers."""
     kind = "NodeSocketFloat" if isinstance(default, int | float) else "NodeSocketColor"
     socket = tree.tree.interface.new_socket(name, in_out="INPUT", socket_type=kind, description=tip)
     socket.default_value = default
@@ -273,8 +296,9 @@ def add_input(
         socket.min_value, socket.max_value = low, high
 
 
-def add_vector_input(tree: Tree, name: str) -> None:
-    tree.tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketVector")
+def add_socket(tree: Tree, name: str, kind: str) -> None:
+    """One input of a group, of any kind, as Blender makes it."""
+    tree.tree.interface.new_socket(name, in_out="INPUT", socket_type=kind)
 
 
 def group_inputs(tree: Tree) -> dict[str, Socket]:
@@ -285,7 +309,7 @@ def group_inputs(tree: Tree) -> dict[str, Socket]:
 def set_outputs(tree: Tree, **outputs: Socket) -> None:
     """Declare and connect the group's outputs; keyword 'weight_a' makes 'Weight A'."""
     kinds = {"VALUE": "NodeSocketFloat", "VECTOR": "NodeSocketVector", "RGBA": "NodeSocketColor"}
-    kinds["SHADER"] = "NodeSocketShader"
+    kinds |= {"SHADER": "NodeSocketShader", "GEOMETRY": "NodeSocketGeometry"}
     names = {key: key.replace("_", " ").title() for key in outputs}
     for key, value in outputs.items():
         tree.tree.interface.new_socket(names[key], in_out="OUTPUT", socket_type=kinds[value.socket.type])

@@ -1,10 +1,11 @@
-"""Which field the artist means."""
+"""Which field the artist works on."""
 
 import bpy
 
 
 def active_field(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The object whose field is meant: the active one, the one whose element the active object is, or the only one."""
+    """The object whose field the artist works on: the active one, else the one whose element is active, else the only
+    one."""
     active = context.object
     if active is not None and active.stormfield.enabled:
         return active

@@ -71,7 +71,7 @@ def _edges(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _chains(points: np.ndarray, edges: np.ndarray) -> Iterator[np.ndarray]:
-    """Walk the edges as chains: open ones from their first end, closed ones round to where they began."""
+    """The edges as chains: open ones from their first end, closed ones back to their first vertex."""
     neighbours: dict[int, list[int]] = {}
     for a, b in edges.tolist():
         neighbours.setdefault(a, []).append(b)

@@ -1,6 +1,6 @@
 """A scene's field → `MeshData` and `Design`: curves, empties and their animation in the mesh's object space.
 
-Things that stand still are read at the current frame. Elements "from animation" are read at every frame between the
+Elements without animation are read at the current frame. Elements "from animation" are read at every frame between the
 first and the last key of λ, and each place counts at that frame's λ; the scene is put back to its frame afterwards.
 """
 
@@ -20,11 +20,13 @@ from .mesh import read_mesh
 
 #: Most places that are read of an animated curve, which changes as a whole.
 MAX_CURVES = 24
+#: Types whose points lie at different λ: something moves from the first to the last.
+MOVING = frozenset({"singular", "pathline"})
 
 
 @dataclass(frozen=True)
 class _Place:
-    """What one source object says at one moment."""
+    """Where one source object is at one λ."""
 
     lines: tuple[np.ndarray, ...]
     lam: float
@@ -34,15 +36,15 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
     """Everything a solve needs. Raises InputError for an element without source, curve or keyframes."""
     mesh = read_mesh(obj)
     settings = obj.stormfield.solve
-    wanted = [element for element in obj.stormfield.elements if element.enabled]
-    for element in wanted:
+    enabled = [element for element in obj.stormfield.elements if element.enabled]
+    for element in enabled:
         if element.source is None:
             raise InputError(f"Element '{element.name}' has no source; choose a curve or an empty, or turn it off")
         if element.source == obj:
             raise InputError(f"Element '{element.name}' has the field's own mesh as source; choose another object")
-    moving = _moving_places(context, obj, [element for element in wanted if element.from_animation])
+    moving = _moving_places(context, obj, [element for element in enabled if element.from_animation])
     elements: list[Element] = []
-    for element in wanted:
+    for element in enabled:
         places = next(moving) if element.from_animation else [_place(context, obj, element, element.lam_start)]
         elements.extend(_elements(element, places))
     return mesh, Design(
@@ -58,7 +60,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
 
 
 def _moving_places(context, obj, elements) -> Iterator[list[_Place]]:
-    """For each element its places in the order of λ; the scene is walked through once for all of them."""
+    """For each element its places in the order of λ; the frames are gone through once for all of them."""
     if not elements:
         return iter(())
     places: list[list[_Place]] = [[] for _ in elements]
@@ -69,7 +71,7 @@ def _moving_places(context, obj, elements) -> Iterator[list[_Place]]:
     try:
         highest = -1.0
         for frame, lam in zip(frames, lams, strict=True):
-            if lam <= highest:  # λ stands still or runs back: this moment was told already
+            if lam <= highest:  # λ is constant or decreases: its place is known
                 continue
             highest = lam
             scene.frame_set(frame)
@@ -102,12 +104,24 @@ def _empty_line(source, depsgraph, to_mesh: Matrix, radius: float) -> np.ndarray
 
 def _elements(element, places: list[_Place]) -> Iterator[Element]:
     """The plain elements that one element of the list stands for: one per spline, more where curves are animated."""
+    base = _without_points(element)
+    whole = (element.lam_start, element.lam_end)
+    if element.source.type == "EMPTY" and base.type in MOVING:
+        yield _on_empty(base, places, tuple(place.lam for place in places) if element.from_animation else whole)
+    elif element.from_animation:
+        yield from _on_animated_curves(base, places)
+    else:
+        yield from _on_curves(base, places[0].lines, whole)
+
+
+def _without_points(element) -> Element:
+    """What an element of the list says, besides where it is."""
     if element.lam_end < element.lam_start and not element.from_animation:
         raise InputError(
             f"Element '{element.name}' ends at λ {element.lam_end:g} before it starts at {element.lam_start:g}; "
             "exchange the two"
         )
-    base = Element(
+    return Element(
         name=element.name,
         type=element.type,
         kind=element.kind,
@@ -118,28 +132,33 @@ def _elements(element, places: list[_Place]) -> Iterator[Element]:
         hard=element.hard,
         angle=element.angle,
     )
-    whole = (element.lam_start, element.lam_end)
-    is_point = element.source.type == "EMPTY"
-    if is_point and element.type in {"singular", "pathline"}:
-        points = np.array([place.lines[0][0] for place in places])
-        axis = _unit(places[0].lines[0])
-        lam = tuple(place.lam for place in places) if element.from_animation else whole
-        yield replace(base, points=_rows(points), lam=lam, direction=axis)
-        return
-    if element.from_animation:
-        places = places[:: -(-len(places) // MAX_CURVES)]
-    for index, place in enumerate(places):
-        suffix = f" at λ {place.lam:.3f}" if element.from_animation else ""
-        if element.from_animation:
-            whole = (place.lam, places[index + 1].lam if index + 1 < len(places) else place.lam)
-        for number, line in enumerate(place.lines):
-            named = replace(base, name=(base.name if number == 0 else f"{base.name} ({number + 1})") + suffix)
-            if element.type == "regular":
-                yield replace(named, points=_rows(line[:1]), lam=whole, direction=_unit(line))
-            elif element.type in {"singular", "pathline"} and len(line) > 1:
-                yield replace(named, points=_rows(line), lam=_lam_along(line, *whole))
-            else:
-                yield replace(named, points=_rows(line), lam=whole)
+
+
+def _on_empty(base: Element, places: list[_Place], lam: tuple[float, ...]) -> Element:
+    """A point, or one for each place where it moves; its X axis is that of the first place."""
+    points = np.array([place.lines[0][0] for place in places])
+    return replace(base, points=_rows(points), lam=lam, direction=_unit(places[0].lines[0]))
+
+
+def _on_animated_curves(base: Element, places: list[_Place]) -> Iterator[Element]:
+    """Curves that change as a whole: as they are at one λ, from there to the next."""
+    chosen = places[:: -(-len(places) // MAX_CURVES)]
+    for place, after in zip(chosen, [*chosen[1:], chosen[-1]], strict=True):
+        yield from _on_curves(base, place.lines, (place.lam, after.lam), f" at λ {place.lam:.3f}")
+
+
+def _on_curves(
+    base: Element, lines: tuple[np.ndarray, ...], lam: tuple[float, float], suffix: str = ""
+) -> Iterator[Element]:
+    """One element per curve, numbered from the second on."""
+    for number, line in enumerate(lines, start=1):
+        name = (base.name if number == 1 else f"{base.name} ({number})") + suffix
+        if base.type == "regular":
+            yield replace(base, name=name, points=_rows(line[:1]), lam=lam, direction=_unit(line))
+        elif base.type in MOVING and len(line) > 1:
+            yield replace(base, name=name, points=_rows(line), lam=_lam_along(line, *lam))
+        else:
+            yield replace(base, name=name, points=_rows(line), lam=lam)
 
 
 def _rows(points: np.ndarray) -> tuple[Vector, ...]:
@@ -148,16 +167,16 @@ def _rows(points: np.ndarray) -> tuple[Vector, ...]:
 
 def _unit(line: np.ndarray) -> Vector | None:
     """From the first point to the last."""
-    way = line[-1] - line[0]
-    length = float(np.linalg.norm(way))
+    along = line[-1] - line[0]
+    length = float(np.linalg.norm(along))
     if length == 0:
         return None
-    x, y, z = (way / length).tolist()
+    x, y, z = (along / length).tolist()
     return (x, y, z)
 
 
 def _lam_along(line: np.ndarray, start: float, end: float) -> tuple[float, ...]:
-    """λ of each point: it grows with the way along the curve, from start to end."""
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    part = way / way[-1] if way[-1] > 0 else way
-    return tuple(np.clip(start + (end - start) * part, start, end).tolist())
+    """λ of each point: it grows with the arc length, from start to end."""
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    fraction = arc / arc[-1] if arc[-1] > 0 else arc
+    return tuple(np.clip(start + (end - start) * fraction, start, end).tolist())

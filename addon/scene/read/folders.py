@@ -1,4 +1,4 @@
-"""Where caches live: beside the .blend file when it is saved, in Blender's temporary folder until then."""
+"""Where caches live: next to the .blend file when it is saved, in Blender's temporary folder until then."""
 
 import re
 from pathlib import Path

@@ -35,7 +35,7 @@ def lambda_at_frames(obj: bpy.types.Object, frames: list[int]) -> list[float]:
 
 
 def lambda_per_second(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
-    """How fast λ goes on between its first and its last key; once in a second where λ is not keyed."""
+    """Mean rate of λ between its first and its last key; 1 where λ is not keyed."""
     curve = compat.find_fcurve(obj, "stormfield.lam")
     if curve is None or len(curve.keyframe_points) < 2:
         return 1.0
@@ -56,8 +56,8 @@ def passages(obj: bpy.types.Object, lams: list[float]) -> list[list[tuple[int, b
     found = []
     for lam in lams:
         crossed = np.flatnonzero((before < lam) & (after >= lam) | (before >= lam) & (after < lam))
-        part = (lam - before[crossed]) / (after[crossed] - before[crossed])
-        at = np.rint(frames[crossed] + part).astype(int)
+        fraction = (lam - before[crossed]) / (after[crossed] - before[crossed])
+        at = np.rint(frames[crossed] + fraction).astype(int)
         found.append([(int(frame), bool(up)) for frame, up in zip(at, (after > before)[crossed], strict=True)])
     return found
 

@@ -21,7 +21,7 @@ from ..read.results import ROLE, find_curves
 from . import entity_lists, morse_faces
 from .curve_objects import make_curves, remove_curves
 
-#: Radius of the curves, as a part of the object's size.
+#: Radius of the curves over the object's size.
 RADIUS = 0.0015
 
 
@@ -72,7 +72,7 @@ def show_tracking(scene: bpy.types.Scene, obj: bpy.types.Object, tracking: Track
     Timeline markers are timeline.update_markers'."""
     collection = _collection(scene, obj)
     paths, events = tracking.paths, tracking.bifurcations
-    # A curve of one point cannot be drawn: a path that lives for a moment is its bifurcations.
+    # A curve of one point cannot be drawn: of a path of one sample only its bifurcations are drawn.
     drawn = [path for path in paths if len(path.lambdas) > 1]
     _curves(
         obj,
@@ -122,7 +122,7 @@ def _collection(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.types.Coll
 
 def _is_of(collection: bpy.types.Collection, obj: bpy.types.Object) -> bool:
     """Whether no other object's results are in the collection."""
-    owners = {made.parent for made in collection.objects if ROLE in made}
+    owners = {made.parent for made in collection.objects if made.get(ROLE) is not None}
     return not owners - {obj}
 
 

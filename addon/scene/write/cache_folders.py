@@ -1,6 +1,6 @@
-"""Cache folders of the open file: moved beside it when it is first saved, deleted when newer ones have come.
+"""Cache folders of the open file: moved next to it when it is first saved, deleted when newer ones have come.
 
-A cache that moves is copied, shown from its new place, and only then removed: at no moment is the field without it.
+A cache that moves is copied, shown from its new place, and only then removed: the field is never without it.
 """
 
 import shutil

@@ -88,15 +88,6 @@ def remove_curves(name: str, parent: bpy.types.Object | None = None) -> bool:
     return True
 
 
-def results_collection(scene: bpy.types.Scene, name: str = "Stormfield Results") -> bpy.types.Collection:
-    """The scene's collection of this name, made when it is missing."""
-    collection = scene.collection.children.get(name)
-    if collection is None:
-        collection = bpy.data.collections.new(name)
-        scene.collection.children.link(collection)
-    return collection
-
-
 def _new_object(
     name: str, parent: bpy.types.Object | None, collection: bpy.types.Collection | None
 ) -> bpy.types.Object:
@@ -117,10 +108,10 @@ def _joined(arrays: Sequence[np.ndarray], empty: tuple[int, ...]) -> np.ndarray:
     return np.concatenate([np.asarray(array) for array in arrays]) if len(arrays) else np.empty(empty)
 
 
-def _remove_others(data: bpy.types.Curves, wanted: frozenset[str]) -> None:
+def _remove_others(data: bpy.types.Curves, kept: frozenset[str]) -> None:
     """Attributes of an earlier run, so that no stale numbers stay. Hidden ones (with a dot) are Blender's."""
     for key in [attribute.name for attribute in data.attributes]:
-        if key not in wanted and not key.startswith("."):
+        if key not in kept and not key.startswith("."):
             data.attributes.remove(data.attributes[key])
 
 

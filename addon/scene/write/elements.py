@@ -21,6 +21,6 @@ def add_element(obj: bpy.types.Object, source: bpy.types.Object | None, **settin
 
 
 def default_radius(obj: bpy.types.Object) -> float:
-    """A part of the object's diagonal, in mesh units: visible at once, small against the object."""
+    """A twentieth of the object's diagonal, in mesh units: visible at once, small against the object."""
     corners = obj.bound_box
     return max(1e-4, sum((a - b) ** 2 for a, b in zip(corners[0], corners[6], strict=True)) ** 0.5 / 20.0)

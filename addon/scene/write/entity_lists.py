@@ -52,10 +52,10 @@ def fill_history(obj: bpy.types.Object, tracking: Tracking, shown_field: str) ->
 
 
 def _event_name(event: Bifurcation, paths: Sequence[TrackedPath]) -> str:
-    """Short: whom it befalls, and what."""
-    whom = " ".join(paths[index].name for index in event.paths)
+    """The fixed points it happens to, and what happens, in short."""
+    names = " ".join(paths[index].name for index in event.paths)
     happens = {"creation": "appear", "annihilation": "vanish"}.get(event.kind, f"→ {event.node}")
-    return f"{whom} {happens}".strip()
+    return f"{names} {happens}".strip()
 
 
 def _hide_short_lived(entities, paths: int) -> int:

@@ -1,7 +1,7 @@
 """λ's F-curve, copied onto the cache file: a scene keeps its animation where the add-on is not installed.
 
 With the add-on a driver sets the cache file's frame from λ, keyed or not. Without it Blender does not know the property
-λ, the driver is invalid and leaves the value alone, and the F-curve below it speaks. So renders need no Python, and
+λ, the driver is invalid and leaves the value alone, so that the F-curve below it counts. So renders need no Python, and
 the copy only has to be right when the file is saved.
 """
 

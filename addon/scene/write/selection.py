@@ -1,4 +1,4 @@
-"""One selected entity, wherever it was chosen: the list's active item is the truth, graph and view follow it.
+"""One selected entity, wherever it was chosen: it is the list's active item, and graph and view follow that.
 
 selection.select(obj, "ecg", 3)        # from the view, or a script
 selection.follow_graph(tree)           # from the graph editor: the list takes over the active node
