@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stormfield: vector fields on surfaces that change over time, designed in Blender.
 
 The package imports without Blender (command line, pipelines); everything that needs bpy is imported inside register().

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every difference between the supported Blender versions, found by feature and never by version number."""
 
 from collections.abc import Iterator

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What Stormfield does when files are saved and loaded or the scene changes. Nothing here serves renders."""
 
 import bpy

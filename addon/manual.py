@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """F1, and right-click → Online Manual: the page of the documentation for each operator and setting of ours.
 
 Places on a page follow from the name, as docs/extension/stormfield_docs/addon.py makes them.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The compiled core, checked before anyone uses it. Nothing else imports `stormfield_native`.
 
 from . import native

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Design and mesh → solved fields. The work runs on a thread of the compiled core; nothing here blocks but `result()`.
 
 job = start_solve(mesh, design)

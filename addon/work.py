@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Long work as generators of steps: the modal operator runs slices of them, background mode and command line all.
 
     steps = solve_steps(mesh, design, root)               # any function that returns Steps

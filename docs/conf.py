@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Sphinx: the site in build/docs/html. `make docs` builds it; warnings are errors."""
 
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Build the Blender extension: addon/ and one wheel of the compiled core per Python, in one zip.
 
     python scripts/build_extension.py [WHEEL...] [--output out] [--blender-ext PATH]

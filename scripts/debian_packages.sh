@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Installs the Debian packages that Stormfield is built from and that are missing. Without root or sudo it prints the
 # one command to run.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
 # The picture of a data set's ECG beside its MCG in the README, docs/pictures/graphs.png:
 #   scripts/engine_graphs.sh gasEngineV.t
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Creates one Python environment for each interpreter that a supported Blender exists for, with that Blender as the
 # module bpy, and prints their folders. The newest is .venv; the others carry the Blender version in their name.
 #

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
 # The pictures of the analysis in the README, docs/pictures/STATE.png, from Blender's window. Run as window_shot.sh:
 #   scripts/window_pictures.sh [STATE...]
 set -euo pipefail

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Set up Blender's window for a picture of the add-on; run inside the application and photograph the screen.
 
     STORMFIELD_SHOT=solved blender --factory-startup -P scripts/window_shot.py

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Photograph Blender's window with the add-on in it. Run under a screen of 1600x1000 (xvfb-run), with xdotool and import:
 #   scripts/window_shot.sh PICTURE PNG [SECONDS]       PICTURE as in window_shot.py
 set -euo pipefail

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Leaves as the command line leaves: bpy 4.5 can wait for ever in its static destructors."""
 
 import sys

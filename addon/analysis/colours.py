@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The colours of entities, and of λ on paths."""
 
 from collections.abc import Mapping

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The entity connection graph (thesis 2.2.2, 3.2): native Topology → EntityGraph, and its words in JSON.
 
 topology = native.start_topology(field).result()

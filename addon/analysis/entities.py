@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The one graph of an analysis: entities (fixed points, periodic orbits, Morse sets) and their links.
 
 The entity connection graph (thesis 3.2) and the Morse connection graph (thesis 6.2) are both an EntityGraph, so that

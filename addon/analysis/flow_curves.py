@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Streamlines, pathlines, streaklines and timelines (thesis 10.1.2) over the frames of a scene. No Blender here.
 
     drawing = run(flow_curve_steps(mesh, lambdas, values, seeds_of, settings))

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where an entity graph's nodes go: three rows (thesis 3.2), ordered so that few links cross (Sugiyama, by igraph).
 
     drawn = layout(graph)

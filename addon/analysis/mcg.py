@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The Morse connection graph (thesis 2.4, 6.2): native Morse decomposition → EntityGraph, and its words in JSON.
 
 job = native.start_morse(field, method="tau", tau=0.3)      # Job: .fraction, .cancel(), .result()

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where curves begin: points spread evenly over a surface, vertices, rings around points; and the normals there. No
 Blender here.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Analyses as generators of steps, for the modal operators and other callers that must not block (see work.py).
 
     graph = run(ecg_steps(mesh, values, lam=0.3))

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Evenly spaced streamlines (thesis 3.4) as polylines with what hair and curve shading needs. No Blender here.
 
 drawing = run(streamline_steps(mesh, values, Settings(density=0.02)))

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The history of a field's fixed points over λ as plain data: paths and bifurcations (thesis 10.1.4, 11.2.2).
 
     job = start(field)                                     # native.ParameterizedField; job: fraction, done, cancel()

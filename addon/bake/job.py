@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The bake: λ cache → everything that a task asks for, target by target.
 
     check_task(task)                                   # before a long solve, not after it

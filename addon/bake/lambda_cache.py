@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Design and mesh → λ cache: solved, and written sample by sample.
 
     folder = run(solve_steps(mesh, design, root, polygons))

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A bake as plain data, read once from the scene: what is written, for which frames, with which settings."""
 
 from dataclasses import dataclass, field

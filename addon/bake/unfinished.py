@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which samples of a cache are still to write."""
 
 from collections.abc import Iterable

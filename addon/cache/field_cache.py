@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The field caches: vertex attributes over λ, or over frames, on the artist's own mesh
 (docs/architecture.md, decisions 6 and 7).
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Between the solver's fields and the attributes of a cache."""
 
 from collections.abc import Mapping

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Names of the files and prims of a cache, and its time codes: usd.py explains the layout."""
 
 #: Prims of the stage.

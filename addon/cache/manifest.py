@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The manifest that certifies a cache: its plan, and the SHA-256 of every file.
 
 It is the last file that a bake writes: where it is, the cache is whole (docs/architecture.md, decision 7).

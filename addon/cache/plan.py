@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The plan of a bake: everything known before its first sample is written.
 
     plan = Plan("usd", "lambda", (0.0, 0.5, 1.0), MeshIdentity.of(mesh), settings)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Rotation of a vector field: n · (∇ × V) at every vertex, twice the angular speed of the surface there in radians per
 second, positive counter-clockwise seen from outside. Materials find storms by it: large in their cores, of the other
 sign in the collar around them.

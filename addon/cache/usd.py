@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """USD files of a field cache, and the only place that decides where `pxr` comes from.
 
 Layout of a cache (names relative to its folder; the λ cache, the frame cache in brackets):

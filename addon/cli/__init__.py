@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: `stormfield`, or `python -m stormfield`; from Blender, main([...]).
 
 Exit status: 0 done, 1 our fault, 2 user fault (one line on standard error: what, where, cure), 130 cancelled.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield analyze FIELD: the topology of the field at one λ."""
 
 from .field_input import FieldInput, field_command, lam_option

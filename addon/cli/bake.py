@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield bake SCENE.blend: the scene's bakes, as the add-on's own buttons would run them."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Loading what may bring Blender along, without letting it write into our output."""
 
 import atexit

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The opening that analyze, morse and track share: FIELD is read, its mesh made; and how they end: picture and JSON.
 
 @cli.command()

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The group of commands: each command's module adds itself to it."""
 
 import click

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield info FIELD: what the mesh is."""
 
 import click

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield morse FIELD: the Morse sets of the field at one λ, and their order."""
 
 from typing import Any

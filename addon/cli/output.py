@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What every command shares: options, the description of a mesh, seconds by phase, JSON out."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Progress on standard error: a bar in a terminal, a line now and then elsewhere."""
 
 import signal

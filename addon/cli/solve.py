@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield solve DESIGN.json --out DIR: a design and its mesh → the λ cache."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield track FIELD: the paths of fixed points over λ, and their bifurcations."""
 
 import sys

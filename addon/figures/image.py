@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of an analysis for papers and reports: `--image OUT.png` of analyze, morse and track.
 
 Left the surface with its field as evenly spaced streamlines and the entities in the thesis's colours (closed surfaces

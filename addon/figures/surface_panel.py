@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One view of a surface in a picture, drawn by matplotlib: the shaded surface as an image, what is on it as lines.
 
 Hidden parts are left out by the depth buffer of the view (view.py), so lines stay smooth.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """From which sides a surface is seen, and what is hidden there: projections, a depth buffer, shading. NumPy only.
 
     for view in choose_views(mesh):

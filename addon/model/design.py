@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A design: the elements an artist placed and the settings of the solve, as plain data that never changes.
 
     design = Design(elements=(Element("eye", "singular", ((0, 0, 1),), kind="vortex_ccw"),))

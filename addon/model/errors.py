@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Faults that the user can correct. Messages are shown as they are: they name the element or file, and the cure."""
 
 

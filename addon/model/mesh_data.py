@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A triangle mesh as plain arrays, in the vertex order of the artist's object."""
 
 import hashlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The artist's own faces, with any number of corners."""
 
 from dataclasses import dataclass

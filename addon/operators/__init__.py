@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Operators: each reads the context, calls plain functions and reports in plain words."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Analyze at this Frame: fixed points, periodic orbits, separatrices and the graph they make, at the current λ."""
 
 import bpy

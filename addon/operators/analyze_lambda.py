@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Analyze over λ: every fixed point followed through all samples of the cache, and the bifurcations between them."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bake: the flowing texture's coordinates per frame and Morse sets over λ (attached to the object), EXR flow maps and
 VDB volumes."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draw elements on the surface with Blender's own Draw tool: set it up, and come back from it."""
 
 import bpy

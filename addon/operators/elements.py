@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The list of design elements: add from what is selected, place at the cursor, remove, move, preset."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Give a mesh a field, take it away, and key λ over the scene's frames."""
 
 import bpy

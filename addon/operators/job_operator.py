@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Long work without a blocked window: a generator of steps, driven in short slices by a timer.
 
     class SOLVE(JobOperator, Operator):

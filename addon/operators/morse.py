@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Morse sets of the shown field at the current λ: found, refined, simplified (thesis 6 to 8)."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Flow Curves: streamlines, pathlines, streaklines and timelines through seeds, which follow the frames."""
 
 import bpy

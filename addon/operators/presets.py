@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Presets of solve and bake settings, as Blender keeps presets everywhere."""
 
 from pathlib import Path

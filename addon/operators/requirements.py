@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whether this Blender has what Stormfield needs, checked once: the panel names the reason and the cure."""
 
 from functools import cache

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Choose an entity: from a list, from the view (a click on its marker), and go to where and when it is."""
 
 import bpy

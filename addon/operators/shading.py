@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Give the field's mesh one of the flowing materials."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What operators share: conditions of the context, reports, redrawing."""
 
 import bpy

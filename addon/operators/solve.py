@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Solve: read the scene, solve over mesh × λ, write the λ cache and attach it to the object."""
 
 import bpy

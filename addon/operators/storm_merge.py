@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Add → Stormfield → Storm Merge: a planet on which two storms drift, meet and merge, ready to solve."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Evenly Spaced Streamlines: the current field as a Curves object, ready for hair and curve shading."""
 
 import bpy

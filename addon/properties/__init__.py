@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The settings of a field, saved with the object: `Object.stormfield`."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What an analysis found, saved with the object: entities of the current graphs, paths and bifurcations over λ.
 
 The curves and points themselves live in the objects of the collection '<object> analysis'

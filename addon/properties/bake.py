@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of the bake: what is written besides the λ cache, where, and for which frames."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One design element of a field: where it is comes from a curve or an empty, what it means from here."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The root of all settings of one field, on its mesh object."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How the field is shown: the material and the viewport overlay."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of Morse decompositions, and what the last one was made with."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Data sets → mesh and field, by the ending of the file: read_field() and read_mesh().
 
     .t                the format of the thesis's data: faces vertices, triangles, positions, vectors

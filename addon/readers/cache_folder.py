@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A baked λ cache as a field."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What every reader returns."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A sphere of nearly equal triangles: the icosahedron, each face cut into k × k."""
 
 import numpy as np

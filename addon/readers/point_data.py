@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Surfaces with vectors at their points, in any format that meshio reads."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The .t format: `faces vertices`, then a triangle per row (from 0), a position per row, a vector per row."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Wind on a latitude-longitude grid → a field on the unit sphere.
 
 x points to 0° E on the equator, y to 90° E, z to the north pole; u is the eastward, v the northward component, kept in

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Coarse Morse sets, at once, whenever λ or a setting of the Morse panel changes.
 
 The work runs on the core's threads and is watched by a timer; a new request cancels the running one. What is found is

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The last Morse decomposition of each object, from which simplification and refinement start.
 
 Known by the object's session uid, and never saved: after a file was opened, Morse Sets makes it again. The slider

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Objects known by their session uid: it stays through renaming, undo and redo, and a duplicate gets its own.
 
 An evaluated object has none: ask its original.

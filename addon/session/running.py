@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The one long job at a time, as the panels see it. Never saved with the file, so nothing needs repair on load."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the last solve of the field that is being edited leaves for the next one. Never saved.
 
 One at a time: that of another object is given back first. Background mode and the command line keep none, so what they

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Panels, the graph editor, the Add menu entry and the viewport overlay."""
 
 import bpy

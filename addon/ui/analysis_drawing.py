@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the overlay draws of an analysis, as arrays: lines, marks, coloured faces, lifted off the surface. No GPU here.
 
 Everything comes from the file (objects of the analysis, lists, the face attribute), so that a scene that was opened or

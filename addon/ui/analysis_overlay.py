@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The analysis in the 3D view: separatrices, orbits and paths as lines, Morse sets as faces, the selected entity.
 
 Lines keep their width at any zoom, fade when λ has moved away from what was analyzed, and are hidden by the surface.

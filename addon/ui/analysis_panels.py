@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The Analysis panel: what the field does now and over λ, in lists to filter and select in; and curves made of it."""
 
 import bpy

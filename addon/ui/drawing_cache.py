@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the overlay has worked out for each object, kept until field, λ or settings change. Reads bpy data only."""
 
 from dataclasses import dataclass, field

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The selected entity in words, below the list and in the graph editor."""
 
 from ..scene.read.results import EVENT_KINDS

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Field → points and lines to draw, from the evaluated mesh and its attributes alone. No GPU here, nothing is written.
 
 Places where strokes begin are spread evenly and stay where they are while λ changes, so that scrubbing shows motion of

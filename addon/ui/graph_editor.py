@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The graph editor: entity and Morse connection graphs as a node tree of their own, drawn from row to row.
 
 Blender draws the nodes; links are drawn here, from the bottom of a node to the top of the next, in colours that fade

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The marker of every kind as an icon for lists and nodes, painted from the same shapes as the overlay's."""
 
 import bpy

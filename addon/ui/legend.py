@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The legend: a box in the lower right corner of the view, with one block for each thing that is drawn."""
 
 from dataclasses import dataclass, field

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The lists of design elements and of what an analysis found."""
 
 import bpy

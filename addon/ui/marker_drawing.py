@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Markers in the 3D view: they face the viewer and keep their size on screen at any zoom; surfaces hide them."""
 
 from collections.abc import Iterable

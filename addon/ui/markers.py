@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Fixed points as discs that face the viewer: a colour and a shape per kind, the same size on screen at any zoom."""
 
 import math

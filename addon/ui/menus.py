@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Menus: what a drawn or selected curve means, places for fixed points, presets, and Add → Stormfield."""
 
 import bpy

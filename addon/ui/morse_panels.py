@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The Morse panel: how sets are found, refined and simplified."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The viewport overlay: strokes of the field at the current λ, its fixed points, what an analysis found, a legend.
 
 Draw handlers only read. The surface hides what lies behind it; markers keep their size on screen at any zoom.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the panels of the sidebar are made of."""
 
 from ..operators import requirements

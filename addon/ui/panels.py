@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The Stormfield tab of the 3D view's sidebar, in the order of the work."""
 
 import bpy

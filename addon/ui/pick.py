@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A click on an entity in the 3D view selects it, with every tool: a gizmo without a picture of its own.
 
 Blender asks the gizmo first whether something of it lies under the pointer, so that a click that hits no marker does

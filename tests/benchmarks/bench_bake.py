@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Speed of the cache as ratios (make bench): baking over copying the same bytes, scrubbing over a bare foreach_set.
 
 python -m pytest -s tests/benchmarks/bench_bake.py (settings in tests/benchmarks/pytest.ini)

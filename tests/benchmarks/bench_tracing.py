@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Streamlines on the gas engine beside VTK's surface streamlines: same mesh, arc length and (first) seeds, in one run.
 
 Edge crossings per second (VTK's by the length of its lines: many end early), of processor time and as the clock on the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Tests of the add-on in a real Blender (the bpy wheel): every test begins with an empty file."""
 
 import pytest

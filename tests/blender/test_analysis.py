@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What an analysis leaves in Blender: collection, lists, node trees, markers, one selection. Graphs made by hand."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Analyses as an artist starts them: from a field on the mesh, from a solved cache; and what they report."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every operator of the analysis can be undone and redone: objects, graphs, lists, attributes and markers with it."""
 
 import bpy

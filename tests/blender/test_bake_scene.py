@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield bake SCENE.blend: the scene's bakes without its window."""
 
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes become plain data: places in the mesh's space, λ from keys, messages that name object and cure."""
 
 import itertools

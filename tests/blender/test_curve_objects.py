@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Curves objects: points, attributes and types as given, and the same object when made again."""
 
 import bpy

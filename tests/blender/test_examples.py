@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every example runs in a process of its own, small, and its pictures show something that moves."""
 
 import re

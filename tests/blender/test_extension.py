@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The zip installs as artists install it: built by Blender's tool, put into a repository, enabled, used, disabled."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Long work in slices: progress, cancel, faults. Without a window the modal loop is driven by hand."""
 
 from types import SimpleNamespace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """F1 and Online Manual: every operator and every setting that a panel shows leads to a place that exists."""
 
 import sys

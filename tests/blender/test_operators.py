@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The add-on by hand: operators change what they say, tell why they are grey, and can be undone."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the overlay draws, without a window: places, strokes, fixed points, and when they are worked out again."""
 
 import bpy

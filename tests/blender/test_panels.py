@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every panel draws, with and without a field, and names only properties, operators and menus that exist."""
 
 from types import SimpleNamespace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The operator Flow Curves: paths of particles that follow the frames by Geometry Nodes alone."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """State of the session belongs to its object: renaming, undo and redo keep it, a duplicate has none."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The operator Evenly Spaced Streamlines: one Curves object with radius and attributes, updated in place."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The documentation says what is there: links and anchors lead somewhere, named files exist, every setting has a place.
 
 Pages are read as text; the site itself is built by `make docs`, which takes warnings as errors.

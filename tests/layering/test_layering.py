@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The arrows of the architecture: who may include or import whom."""
 
 import ast

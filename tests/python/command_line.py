@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line as tests call it, in this process."""
 
 from stormfield.cli import main

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Blender itself reads our caches: attributes onto the artist's own n-gon mesh, with no Python in between."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A bake that is killed at any moment leaves no torn file, and resumes to the very bytes of an undisturbed bake."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The whole pipeline without Blender's scene: design → λ cache → EXR and VDB, resumable at every step."""
 
 import time

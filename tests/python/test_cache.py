@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The λ cache: bit-identical, deterministic, never half true."""
 
 import errno

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line is a contract: names, JSON, exit statuses, one line per fault."""
 
 import json

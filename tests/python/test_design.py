@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Designs as plain data: JSON in and out, and faults that say where, what and the cure."""
 
 import copy

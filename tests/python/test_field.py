@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """VectorField, ParameterizedField and fixed points in Python, on small meshes and on the thesis's data."""
 
 from collections import Counter

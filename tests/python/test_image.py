@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of analyses: what is hidden stays hidden, views fit the surface, files are whole or not there."""
 
 import sys

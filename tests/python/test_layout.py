@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The three-row layout of entity graphs: rows, order, speed."""
 
 import time

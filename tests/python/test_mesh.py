@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """TriangleMesh in Python: what it reports, and what it refuses at the boundary."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Morse decompositions in Python: sets, indices, order, error bounds, graphs, JSON and the command line."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Morse sets over λ: one number for one set, whatever moves, appears and goes; and their cache."""
 
 from dataclasses import replace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The compiled core is checked before use, and every fault has a clear message."""
 
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Data sets as fields: formats, wind on a sphere, and what is refused."""
 
 import json

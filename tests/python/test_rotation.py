@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The rotation of rigid motion is twice its angular speed; a field from a potential has none."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """From a design to fields: the job, its faults, and what the storms do in the solved samples."""
 
 import time

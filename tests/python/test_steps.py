@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Analyses in steps: meshes are built on other threads, and who stops an analysis never waits for it."""
 
 import time

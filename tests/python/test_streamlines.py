@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Evenly spaced streamlines from Python: arrays that fit, given curves, faults, and a stop within 0.1 s."""
 
 import time

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Advected coordinates and stream functions."""
 
 from types import SimpleNamespace

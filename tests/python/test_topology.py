@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The topology of fields in Python, as an entity graph, and on the command line."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Streamlines and pathlines from Python."""
 
 import numpy as np

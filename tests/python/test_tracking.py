@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Paths and bifurcations over λ: plain data, the command line, real wind."""
 
 import json

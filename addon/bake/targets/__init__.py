@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a bake can write: one module for each target, in the order in which they are written."""
 
 from .exr import FlowMaps

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """EXR flow maps: the field as an image sequence over a UV layer, for shaders that know nothing of the mesh.
 
 One frames/frame_0001.exr per frame; colour space Non-Color. Channels, basis and units stand in the header of every

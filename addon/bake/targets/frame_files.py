@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What targets with one file for each frame share: the core makes each file in memory, Python writes it in slices."""
 
 import contextlib

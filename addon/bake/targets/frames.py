@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Texture coordinates that flow, per frame: what the materials read as sf_phase_a, sf_phase_b, sf_blend
 (docs/architecture.md, decision 12).
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Morse sets over λ, per face: `sf_morse`, the number of the set, and `sf_morse_kind`, its place in KINDS; -1 for none.
 
 A number means the same set at every λ. From one sample to the next the field changes by at most |V' - V| at each

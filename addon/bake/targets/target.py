@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a bake asks of a target: one folder of samples that can be written in any order, on many machines.
 
 target = FlowMaps(task, cache, origin)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """VDB bands: the fields as vec3 grids on the voxels around the surface, for smoke, particles and other programs.
 
 One frames/frame_0001.vdb per frame. Grids sf_orientation, sf_advection (mesh units per second, object space), sf_speed

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Follows its elements at once; short-lived texture."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """An EntityGraph as a node tree: one node per entity in three rows, one link per link of the graph.
 
 The classes of tree and node are in ui/graph_editor.py, which draws the links itself, from row to row: the sockets stay

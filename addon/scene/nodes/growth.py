@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Geometry Nodes that show flow curves over the frames: renders follow them without the add-on.
 
 Curves grow by their point attribute `time` (seconds of the scene), or change by their curve attribute `frame`.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Which caches an object shows.
 
 The Mesh Sequence Cache modifiers are the only record of where the caches are, so a path can be stale in one place only.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A scene's bake settings → the plain task that addon/bake/job.py runs."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The field as the artist sees it now, and the cache of all λ, for analyses.
 
 Values are those of the attribute on the evaluated mesh; where later modifiers have changed its vertices, those of the λ

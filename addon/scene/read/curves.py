@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Curves as polylines: every kind of object an artist may draw with, in the space of the field's mesh.
 
 Blender itself evaluates Bezier, NURBS and modifiers; here only its points are put in order.

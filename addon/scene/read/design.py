@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A scene's field → `MeshData` and `Design`: curves, empties and their animation in the mesh's object space.
 
 Elements without animation are read at the current frame. Elements "from animation" are read at every frame between the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where caches live: next to the .blend file when it is saved, in Blender's temporary folder until then."""
 
 import re

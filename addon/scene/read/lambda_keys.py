@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The keys of λ: which frame shows which λ."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The object's own mesh (before any modifier) as arrays: one vertex order for the solver, the cache and Blender.
 
 n-gons are cut by Blender's own loop triangles, so vertex attributes map one to one.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The face attribute `sf_morse`: which Morse set every face belongs to (its place in the list), -1 for none."""
 
 import bpy

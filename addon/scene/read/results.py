@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The objects of an analysis, found by their role and parent, and what they hold.
 
 A role is the name that an object was made under; objects keep it when they are renamed.

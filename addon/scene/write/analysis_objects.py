@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """An analysis → objects of the collection '<object> analysis', entities of the lists, and node trees.
 
 Curves and points are ordinary objects with attributes, for renders and Geometry Nodes: `entity` is the place in the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Caches on disk → the artist's object: Mesh Sequence Cache modifiers that bring attributes onto its own mesh.
 
 Caches over λ (the field, and its Morse sets where they are baked) follow `obj.stormfield.lam` through a driver, the

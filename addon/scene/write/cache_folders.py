@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Cache folders of the open file: moved next to it when it is first saved, deleted when newer ones have come.
 
 A cache that moves is copied, shown from its new place, and only then removed: the field is never without it.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Polylines → a Curves object with radius and named attributes, ready for hair and curve shading and Geometry Nodes.
 
     lines = make_curves("Streamlines", polylines, {"speed": speeds}, radius=0.01, parent=obj)

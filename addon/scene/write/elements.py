@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Design elements, added to an object's list."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """An analysis → the lists of its entities, for the panels, the graph editor and the overlay."""
 
 from collections.abc import Sequence

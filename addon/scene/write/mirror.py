@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """λ's F-curve, copied onto the cache file: a scene keeps its animation where the add-on is not installed.
 
 With the add-on a driver sets the cache file's frame from λ, keyed or not. Without it Blender does not know the property

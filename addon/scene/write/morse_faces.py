@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The face attribute `sf_morse`, as an analysis makes it (scene/read/morse_faces.py reads it)."""
 
 import bpy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One selected entity, wherever it was chosen: it is the list's active item, and graph and view follow that.
 
 selection.select(obj, "ecg", 3)        # from the view, or a script

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bifurcations as timeline markers, at the frames where the keyframed λ passes them.
 
 Only markers that an earlier call made are replaced; the object's analysis remembers their names and frames. A marker

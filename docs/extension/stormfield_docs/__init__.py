@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the site takes from the program itself, so that it is always current.
 
     ```{settings} SolveProperties     the settings of a property group, by name

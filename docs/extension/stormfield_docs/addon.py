@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the add-on says of itself, read from its sources: settings, operators, panels. Blender is not needed."""
 
 import ast

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The order of the folders, as tests/layering/test_layering.py states and checks it."""
 
 import ast

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line reference, from the commands themselves."""
 
 from typing import Any

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Directives: tables of settings and operators, and the order of folders."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The pages that are written before Sphinx reads its sources; they are not kept in the repository."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pages as text: what they link to, name and define. The tests use it; the site itself is built by Sphinx."""
 
 import re

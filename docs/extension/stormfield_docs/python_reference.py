@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The Python reference: the compiled module from its docstrings, the package from its sources, without Blender."""
 
 import ast
