@@ -311,6 +311,7 @@ def guarded():
         traceback.print_exc()
 
 
-load_addon()
-bpy.context.preferences.view.show_splash = False
-bpy.app.timers.register(guarded, first_interval=1.5)
+if __name__ == "__main__":  # docs_pictures.py takes parts of this
+    load_addon()
+    bpy.context.preferences.view.show_splash = False
+    bpy.app.timers.register(guarded, first_interval=1.5)
