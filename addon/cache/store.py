@@ -22,16 +22,20 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from ..model.errors import InputError
+from ..work import between
 from .layout import MANIFEST, PLAN
 from .manifest import SHARED, read_manifest, read_plan
 from .plan import NAME, Plan, text
 
 WriteFile = Callable[[Path], object]
+WriteInSteps = Callable[[Path], Generator[float]]
 
 TEMPORARY = ".tmp-"
 CHECKSUM = ".sha256"
-#: Bytes that are written, hashed and brought to the disk at once.
+#: Bytes that are hashed at once.
 SLICE = 4 << 20
+#: Where a file is written and its checksum begins, in the fractions of its steps.
+WRITTEN = 0.8
 #: A temporary file this old (seconds) has lost its writer.
 ABANDONED = 3600.0
 
@@ -79,21 +83,22 @@ class CacheStore:
         self._written.add(index)
         self._verified.add(self.names[index])
 
-    def write_bytes(self, index: int, data: bytes) -> Generator[float]:
-        """write() in slices, yielding the fraction that is written; closing the iterator removes the file in work."""
+    def write_in_steps(self, index: int, write_file: WriteInSteps) -> Generator[float]:
+        """write() in steps: write_file(path) yields the fraction that is written. Closing the generator removes the
+        file in work."""
+        name = self.names[index]
         with _disk_faults(self.folder):
             self._reopen()
-            name, digest = self.names[index], hashlib.sha256()
-            with self._temporary(name) as temporary, temporary.open("wb") as file:
-                for start in range(0, len(data), SLICE):
-                    piece = data[start : start + SLICE]
-                    file.write(piece)
-                    digest.update(piece)
-                    # The disk's own work in slices, too.
-                    file.flush()
-                    os.fsync(file.fileno())
-                    yield min(1.0, (start + SLICE) / len(data))
-                file.close()
+            with self._temporary(name) as temporary:
+                with contextlib.closing(write_file(temporary)) as writing:
+                    for fraction in writing:
+                        yield between(0.0, WRITTEN, fraction)
+                digest, size = hashlib.sha256(), temporary.stat().st_size
+                with temporary.open("rb") as file:
+                    while data := file.read(SLICE):
+                        digest.update(data)
+                        yield between(WRITTEN, 1.0, file.tell() / size)
+                _sync(temporary)
                 self._write_checksum(name, digest.hexdigest())
                 temporary.replace(self.folder / name)
         self._written.add(index)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""USD files of a field cache, and the only place that decides where `pxr` comes from.
+"""USD files of a field cache.
 
 Layout of a cache (names relative to its folder; the λ cache, the frame cache in brackets):
 
@@ -30,10 +30,7 @@ artist's polygons, therefore, not their triangles: MeshData alone does not know 
 """
 
 import errno
-import importlib
-import importlib.util
 import os
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -44,6 +41,7 @@ import numpy as np
 
 from ..model.errors import InputError
 from ..model.polygons import Polygons
+from .bundled import bundled
 from .layout import CLIPS, MESH, PRIM, ROOT, TIME_CODES_PER_SECOND
 
 Attributes = Mapping[str, np.ndarray]
@@ -51,15 +49,10 @@ Attributes = Mapping[str, np.ndarray]
 
 @cache
 def usd() -> SimpleNamespace:
-    """The modules of pxr: Blender's own where bpy is installed (two USDs in one process may crash), else usd-core's."""
-    if sys.modules.get("bpy") or importlib.util.find_spec("bpy"):
-        bpy = importlib.import_module("bpy")
-        if "pxr" not in sys.modules and hasattr(bpy.utils, "expose_bundled_modules"):
-            bpy.utils.expose_bundled_modules()
-    try:
-        from pxr import Sdf, Tf, Usd, UsdGeom, Vt
-    except ImportError as error:
-        raise InputError(f"no USD for Python here ({error}); install usd-core, or run inside Blender") from error
+    """The modules of pxr: Blender's own, or usd-core's where there is no Blender."""
+    bundled("pxr")
+    from pxr import Sdf, Tf, Usd, UsdGeom, Vt
+
     return SimpleNamespace(Sdf=Sdf, Tf=Tf, Usd=Usd, UsdGeom=UsdGeom, Vt=Vt)
 
 

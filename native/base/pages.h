@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <new>
 
@@ -26,8 +25,11 @@ struct ReleasePages {
       return;
     }
 #endif
-    std::free(p);
+    ::operator delete(p, kAlignment);
   }
+
+  /// Of memory that is no pages of its own: a cache line.
+  static constexpr std::align_val_t kAlignment{64};
 };
 
 class Pages {
@@ -40,8 +42,7 @@ class Pages {
       return;
     }
 #endif
-    data_ = Data(std::aligned_alloc(kLine, (bytes / kLine + 1) * kLine), ReleasePages{});
-    if (!data_) throw std::bad_alloc();
+    data_ = Data(::operator new((bytes / kLine + 1) * kLine, ReleasePages::kAlignment), ReleasePages{});
   }
 
   void* data() const {
@@ -52,7 +53,8 @@ class Pages {
   }
 
  private:
-  static constexpr std::size_t kLine = 64, kHugePage = std::size_t{1} << 21;
+  static constexpr std::size_t kLine = static_cast<std::size_t>(ReleasePages::kAlignment);
+  static constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
 #ifdef __linux__
   /// Pages from the start of a huge one: before and after it there would be hundreds of small ones.

@@ -3,7 +3,7 @@
 #include "bindings/bindings.h"
 #include "bindings/job.h"
 #include "io/flow_map.h"
-#include "io/vdb_band.h"
+#include "io/voxel_band.h"
 
 namespace stormfield::bindings {
 namespace {
@@ -11,11 +11,7 @@ namespace {
 using MeshPointer = std::shared_ptr<MeshHandle>;
 using ProgressPointer = std::shared_ptr<Progress>;
 
-/// Where an image is drawn and compression begins, in parts of the whole.
-constexpr double kDrawn = 0.3;
-
-/// Contents of a file.
-using BytesJob = Job<std::string>;
+using ImageJob = Job<std::shared_ptr<const FlowMapImage>>;
 
 /// Python's FlowMap: a UV layer and what each pixel of its image shows.
 struct FlowMapHandle {
@@ -56,14 +52,6 @@ std::shared_ptr<FlowMapJob> startFlowMap(const MeshPointer& mesh, const py::obje
   });
 }
 
-py::bytes waited(const std::shared_ptr<BytesJob>& job) {
-  {
-    const py::gil_scoped_release release;
-    job->wait();
-  }
-  return job->result();
-}
-
 FlowMapBasis basisOf(const std::string& word) {
   if (word == "uv") return FlowMapBasis::Uv;
   if (word == "object") return FlowMapBasis::Object;
@@ -74,72 +62,113 @@ void checkMesh(const FlowMapHandle& self, const FieldHandle& field) {
   if (field.mesh != self.mesh) throw InputError("the field lives on another mesh object; make both on the same one");
 }
 
-py::array_t<float> image(const FlowMapHandle& self, const FieldHandle& field, const std::string& basis) {
-  checkMesh(self, field);
-  FlowMapImage result;
-  {
-    const py::gil_scoped_release release;
-    result = flowMap(field.field, self.uvs, self.raster, basisOf(basis));
-  }
-  py::array_t<float> array({py::ssize_t{result.height}, py::ssize_t{result.width}, py::ssize_t{4}});
-  std::copy(result.pixels.begin(), result.pixels.end(), array.mutable_data());
-  return array;
+/// (height, width, 4), a view that keeps the image alive.
+py::array_t<float> pixels(const std::shared_ptr<const FlowMapImage>& image) {
+  const py::capsule owner(new std::shared_ptr<const FlowMapImage>(image),
+                          [](void* p) { delete static_cast<std::shared_ptr<const FlowMapImage>*>(p); });
+  return py::array_t<float>({py::ssize_t{image->height}, py::ssize_t{image->width}, py::ssize_t{4}},
+                            image->pixels.data(), owner);
 }
 
-std::shared_ptr<BytesJob> startExr(const FlowMapPointer& self, const FieldHandle& field, const std::string& basis,
-                                   bool half, const Metadata& metadata) {
+std::shared_ptr<ImageJob> startImage(const FlowMapPointer& self, const FieldHandle& field, const std::string& basis) {
   checkMesh(*self, field);
-  return std::make_shared<BytesJob>([self, field = field.field, basis = basisOf(basis), half, metadata](Progress& p) {
-    p.range(0.0, kDrawn);
-    const FlowMapImage image = flowMap(field, self->uvs, self->raster, basis, &p);
-    p.range(kDrawn, 1.0);
-    return exrBytes(image, half, metadata, &p);
+  return std::make_shared<ImageJob>([self, field = field.field, basis = basisOf(basis)](Progress& p) {
+    return std::make_shared<const FlowMapImage>(flowMap(field, self->uvs, self->raster, basis, &p));
   });
 }
 
-struct VdbBandHandle {
-  MeshPointer mesh;
-  VdbBand band;
-};
-using VdbBandPointer = std::shared_ptr<VdbBandHandle>;
-using VdbBandJob = Job<VdbBandPointer>;
-
-VdbBandPointer builtBand(const MeshPointer& mesh, const VdbBandOptions& options, Progress* progress) {
-  VdbBand band(mesh->charts()->meshPointer(), mesh->closestPoints(), options, progress);
-  return std::make_shared<VdbBandHandle>(VdbBandHandle{mesh, std::move(band)});
+py::array_t<float> image(const FlowMapPointer& self, const FieldHandle& field, const std::string& basis) {
+  const std::shared_ptr<ImageJob> job = startImage(self, field, basis);
+  {
+    const py::gil_scoped_release release;
+    job->wait();
+  }
+  return pixels(job->result());
 }
 
-VdbBandPointer makeBand(const MeshPointer& mesh, double voxelSize, double halfWidth, const ProgressPointer& progress) {
+/// Python's VoxelBand.
+struct VoxelBandHandle {
+  MeshPointer mesh;
+  VoxelBand band;
+};
+using VoxelBandPointer = std::shared_ptr<VoxelBandHandle>;
+using VoxelBandJob = Job<VoxelBandPointer>;
+
+VoxelBandPointer builtBand(const MeshPointer& mesh, const VoxelBandOptions& options, Progress* progress) {
+  VoxelBand band = voxelBand(mesh->mesh(), mesh->closestPoints(), options, progress);
+  return std::make_shared<VoxelBandHandle>(VoxelBandHandle{mesh, std::move(band)});
+}
+
+VoxelBandPointer makeBand(const MeshPointer& mesh, double voxelSize, double halfWidth,
+                          const ProgressPointer& progress) {
   const py::gil_scoped_release release;
   return builtBand(mesh, {voxelSize, halfWidth}, progress.get());
 }
 
-std::shared_ptr<VdbBandJob> startBand(const MeshPointer& mesh, double voxelSize, double halfWidth) {
-  const VdbBandOptions options{voxelSize, halfWidth};
-  return std::make_shared<VdbBandJob>([mesh, options](Progress& p) { return builtBand(mesh, options, &p); });
+std::shared_ptr<VoxelBandJob> startBand(const MeshPointer& mesh, double voxelSize, double halfWidth) {
+  const VoxelBandOptions options{voxelSize, halfWidth};
+  return std::make_shared<VoxelBandJob>([mesh, options](Progress& p) { return builtBand(mesh, options, &p); });
 }
 
-std::shared_ptr<BytesJob> startVdb(const VdbBandPointer& self, const std::map<std::string, const FieldHandle*>& fields,
-                                   const std::string& speedOf, const Metadata& metadata) {
-  std::map<std::string, VectorField> copies;
-  for (const auto& [name, field] : fields) {
-    if (!field || field->mesh != self->mesh) {
-      throw InputError("field " + name + " lives on another mesh object; make both on the same one");
-    }
-    copies.emplace(name, field->field);
+BlockRange checkedRange(const VoxelBandHandle& self, py::ssize_t first, py::ssize_t last) {
+  const auto count = static_cast<py::ssize_t>(self.band.blockCount());
+  if (first < 0 || last < first || last > count) {
+    throw InputError("blocks " + std::to_string(first) + ".." + std::to_string(last) + " are not within 0.." +
+                     std::to_string(count));
   }
-  return std::make_shared<BytesJob>([self, copies = std::move(copies), speedOf, metadata](Progress& p) {
-    std::map<std::string, const VectorField*> plain;
-    for (const auto& [name, field] : copies) plain[name] = &field;
-    return self->band.bytes(plain, speedOf, metadata, &p);
-  });
+  return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
+}
+
+/// (blocks, 8, 8, 8), or with a last axis of `width` > 1.
+py::array_t<float> blockArray(std::vector<float> values, BlockRange range, py::ssize_t width) {
+  constexpr py::ssize_t kSide = VoxelBand::kSide;
+  std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(range.last - range.first), kSide, kSide, kSide};
+  if (width > 1) shape.push_back(width);
+  auto* kept = new std::vector<float>(std::move(values));
+  const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<float>*>(p); });
+  return py::array_t<float>(shape, kept->data(), owner);
+}
+
+py::array_t<std::int32_t> origins(const VoxelBandHandle& self) {
+  const auto& from = self.band.origins;
+  py::array_t<std::int32_t> array({static_cast<py::ssize_t>(from.size()), py::ssize_t{3}});
+  std::int32_t* to = array.mutable_data();
+  for (const auto& origin : from) to = std::copy(origin.begin(), origin.end(), to);
+  return array;
+}
+
+py::array_t<float> distances(const VoxelBandHandle& self, py::ssize_t first, py::ssize_t last) {
+  const BlockRange range = checkedRange(self, first, last);
+  return blockArray(blockDistances(self.band, range), range, 1);
+}
+
+py::array_t<float> vectors(const VoxelBandHandle& self, const FieldHandle& field, py::ssize_t first, py::ssize_t last) {
+  const BlockRange range = checkedRange(self, first, last);
+  if (field.mesh != self.mesh) throw InputError("the field lives on another mesh object; make both on the same one");
+  std::vector<float> values;
+  {
+    const py::gil_scoped_release release;
+    values = blockVectors(self.band, field.field, range);
+  }
+  return blockArray(std::move(values), range, 3);
+}
+
+py::array_t<float> speeds(const VoxelBandHandle& self, const FieldHandle& field, py::ssize_t first, py::ssize_t last) {
+  const BlockRange range = checkedRange(self, first, last);
+  if (field.mesh != self.mesh) throw InputError("the field lives on another mesh object; make both on the same one");
+  std::vector<float> values;
+  {
+    const py::gil_scoped_release release;
+    values = blockSpeeds(self.band, field.field, range);
+  }
+  return blockArray(std::move(values), range, 1);
 }
 
 }  // namespace
 
 void bind_io(py::module_& m) {
-  bindJob<BytesJob>(m, "BytesJob", "Makes a file in memory; its result is its bytes.",
-                    [](const std::string& bytes) { return py::bytes(bytes); });
+  bindJob<ImageJob>(m, "ImageJob", "Runs FlowMap.start_image; its result is the image, (height, width, 4) float32.",
+                    [](const std::shared_ptr<const FlowMapImage>& image) { return pixels(image); });
 
   py::class_<FlowMapHandle, FlowMapPointer>(m, "FlowMap", py::module_local(),
                                             "The image of a UV layer; draws fields into it. Immutable.")
@@ -162,43 +191,47 @@ void bind_io(py::module_& m) {
       .def("image", &image, py::arg("field"), py::arg("basis") = "uv",
            "(height, width, 4) float32, row 0 at v = 1. Basis 'uv': velocity of u and v (UV units per second), speed\n"
            "(mesh units per second), 1; 'object': the vector (mesh units per second), 1. Zero where nothing shows.")
-      .def(
-          "exr",
-          [](const FlowMapPointer& self, const FieldHandle& field, const std::string& basis, bool half,
-             const Metadata& metadata) { return waited(startExr(self, field, basis, half, metadata)); },
-          py::arg("field"), py::arg("basis") = "uv", py::arg("half") = false, py::arg("metadata") = Metadata(),
-          "The image as the bytes of an OpenEXR file, 32 bit floats or (half) 16; metadata: {name: text}.")
-      .def("start_exr", &startExr, py::arg("field"), py::arg("basis") = "uv", py::arg("half") = false,
-           py::arg("metadata") = Metadata(), "exr on other threads: a BytesJob to watch.");
+      .def("start_image", &startImage, py::arg("field"), py::arg("basis") = "uv",
+           "image on other threads: an ImageJob to watch.");
   bindJob<FlowMapJob>(m, "FlowMapJob", "Runs start_flow_map; its result is a FlowMap.",
                       [](const FlowMapPointer& map) { return map; });
   m.def("start_flow_map", &startFlowMap, py::arg("mesh"), py::arg("uvs"), py::arg("width"), py::arg("height"),
         py::arg("margin") = 8, "FlowMap(...) on other threads: a FlowMapJob to watch.");
 
-  py::class_<VdbBandHandle, VdbBandPointer>(m, "VdbBand", py::module_local(),
-                                            "The voxels around a surface; writes fields on them.")
-      .def(py::init(&makeBand), py::arg("mesh"), py::arg("voxel_size") = 0.0, py::arg("half_width") = 3.0,
-           py::arg("progress") = ProgressPointer(),
+  py::class_<VoxelBandHandle, VoxelBandPointer>(
+      m, "VoxelBand", py::module_local(),
+      "The voxels around a surface, in blocks of 8 x 8 x 8; gives a field on them. Immutable.")
+      .def(py::init(&makeBand), py::arg("mesh"), py::arg("voxel_size") = VoxelBandOptions{}.voxelSize,
+           py::arg("half_width") = VoxelBandOptions{}.halfWidth, py::arg("progress") = ProgressPointer(),
            "voxel_size: mesh units, 0 for the mean edge length; half_width: voxels on each side of the surface.\n"
            "Raises InputError on sizes out of range, Cancelled.")
       .def_property_readonly(
-          "voxel_size", [](const VdbBandHandle& h) { return h.band.voxelSize(); }, "Mesh units.")
+          "voxel_size", [](const VoxelBandHandle& h) { return h.band.voxelSize; }, "Mesh units.")
       .def_property_readonly(
-          "voxel_count", [](const VdbBandHandle& h) { return h.band.voxelCount(); }, "Voxels of the band.")
-      .def(
-          "vdb",
-          [](const VdbBandPointer& self, const std::map<std::string, const FieldHandle*>& fields,
-             const std::string& speedOf,
-             const Metadata& metadata) { return waited(startVdb(self, fields, speedOf, metadata)); },
-          py::arg("fields"), py::arg("speed_of") = "", py::arg("metadata") = Metadata(),
-          "The bytes of an OpenVDB file: a vec3 grid per entry of fields {name: VectorField} (mesh units per second),\n"
-          "sf_speed from the field named speed_of, sf_distance; metadata: {name: text}.")
-      .def("start_vdb", &startVdb, py::arg("fields"), py::arg("speed_of") = "", py::arg("metadata") = Metadata(),
-           "vdb on other threads: a BytesJob to watch.");
-  bindJob<VdbBandJob>(m, "VdbBandJob", "Runs start_vdb_band; its result is a VdbBand.",
-                      [](const VdbBandPointer& band) { return band; });
-  m.def("start_vdb_band", &startBand, py::arg("mesh"), py::arg("voxel_size") = 0.0, py::arg("half_width") = 3.0,
-        "VdbBand(...) on other threads: a VdbBandJob to watch.");
+          "half_width", [](const VoxelBandHandle& h) { return h.band.halfWidth; }, "Voxels.")
+      .def_property_readonly(
+          "voxel_count", [](const VoxelBandHandle& h) { return h.band.voxelCount(); }, "Voxels of the band.")
+      .def_property_readonly(
+          "closed", [](const VoxelBandHandle& h) { return h.band.closed; },
+          "Whether the surface has no boundary, so that distances are signed.")
+      .def_property_readonly("origins", &origins,
+                             "(b, 3) int32: the lowest voxel of each block, a multiple of 8. Voxel (i, j, k) has its\n"
+                             "centre at (i, j, k) * voxel_size.")
+      .def("distances", &distances, py::arg("first"), py::arg("last"),
+           "(last - first, 8, 8, 8) float32, mesh units: the distance from the surface of the voxels of some blocks,\n"
+           "negative in what a closed surface encloses; OUTSIDE_BAND where a voxel is not of the band.\n"
+           "Raises InputError for blocks that do not exist.")
+      .def("vectors", &vectors, py::arg("field"), py::arg("first"), py::arg("last"),
+           "(last - first, 8, 8, 8, 3) float32, mesh units per second: the field at the closest surface points;\n"
+           "OUTSIDE_BAND where a voxel is not of the band. Raises InputError for a field of another mesh.")
+      .def("speeds", &speeds, py::arg("field"), py::arg("first"), py::arg("last"),
+           "(last - first, 8, 8, 8) float32, mesh units per second: the lengths of these vectors.");
+  m.attr("OUTSIDE_BAND") = kOutsideBand;
+  bindJob<VoxelBandJob>(m, "VoxelBandJob", "Runs start_voxel_band; its result is a VoxelBand.",
+                        [](const VoxelBandPointer& band) { return band; });
+  m.def("start_voxel_band", &startBand, py::arg("mesh"), py::arg("voxel_size") = VoxelBandOptions{}.voxelSize,
+        py::arg("half_width") = VoxelBandOptions{}.halfWidth,
+        "VoxelBand(...) on other threads: a VoxelBandJob to watch.");
 }
 
 }  // namespace stormfield::bindings

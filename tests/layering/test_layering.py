@@ -43,10 +43,10 @@ ADDON = {
     "compat": [],
     "native": ["version"],
     "solve": ["model", "version", "native"],
-    "cache": ["model", "version", "native"],
+    "cache": ["model", "version", "work", "native"],
     "analysis": [*_PLAIN, "cache"],
     "figures": [*_PLAIN, "cache", "analysis"],
-    "readers": ["model", "version", "native", "cache"],
+    "readers": ["model", "version", "work", "native", "cache"],
     "bake/task": [*_PLAIN, "cache"],
     "bake/targets": [*_PLAIN, "cache", "bake/task"],
     "bake": [*_PLAIN, "solve", "cache", "bake/task", "bake/targets"],
@@ -71,7 +71,7 @@ WITHOUT_BLENDER = [
     *["bake/task", "bake/targets", "bake"],
 ]
 # Blender's own Python modules are found through bpy; these files alone do that, and only inside functions.
-MAY_ASK_BPY = {"cache/usd.py", "native.py"}
+MAY_ASK_BPY = {"cache/bundled.py", "native.py"}
 
 
 def forbidden_includes(text: str, folder: str) -> list[str]:

@@ -9,6 +9,8 @@ import pytest
 from stormfield import native
 from stormfield.bake.job import bake_steps
 from stormfield.bake.lambda_cache import is_warm_started, solve_steps
+from stormfield.bake.targets.exr import check_half, write_image
+from stormfield.bake.targets.vdb import write_volume
 from stormfield.bake.task import BakeTask, ExrSettings, FlowSettings, VdbSettings
 from stormfield.cache.field_cache import open_cache
 from stormfield.model.design import Design, Element, SolveSettings
@@ -228,6 +230,110 @@ def test_a_mesh_without_uv_layer_and_a_foreign_mesh_are_refused(task, mesh):
         run(bake_steps(replace(task, mesh=foreign)))
 
 
+def openvdb():
+    pytest.importorskip("bpy").utils.expose_bundled_modules()
+    import openvdb as module
+
+    return module
+
+
+def voxels(grid):
+    return {tuple(voxel.min): voxel.value for voxel in grid.citerOnValues()}
+
+
+def test_volumes_hold_the_band_alone_and_zeros_within_it(mesh, tmp_path):
+    """Values that equal the background must stay: here the field is zero on half of the surface."""
+    surface = native.TriangleMesh(mesh.vertices, mesh.triangles)
+    vectors = np.where(mesh.vertices[:, :1] > 0, np.cross(mesh.vertices, [0.0, 0.0, 1.0]), 0.0)
+    band = native.VoxelBand(surface, 0.1, 2.5)
+    path = tmp_path / "band.vdb"
+    fields = {"sf_advection": native.VectorField.from_space(surface, vectors)}
+    fractions = list(write_volume(path, band, fields, {"stormfield:note": "a"}))
+    assert fractions == sorted(fractions) and fractions[-1] == 1.0
+    grids, metadata = openvdb().readAll(str(path))
+    assert metadata == {"stormfield:note": "a"}
+    found = {grid.name: grid for grid in grids}
+    assert found.keys() == {"sf_advection", "sf_speed", "sf_distance"}
+    for grid in grids:
+        assert grid.activeVoxelCount() == band.voxel_count
+        assert grid.transform.voxelSize() == (0.1, 0.1, 0.1)
+    assert found["sf_advection"].background == (0.0, 0.0, 0.0) and found["sf_speed"].background == 0.0
+    assert found["sf_advection"].vectorType == "contravariant relative"
+    assert sum(value == (0.0, 0.0, 0.0) for value in voxels(found["sf_advection"]).values()) > 100
+    speeds = voxels(found["sf_speed"])
+    assert all(np.isclose(speeds[at], np.linalg.norm(v), atol=1e-6) for at, v in voxels(found["sf_advection"]).items())
+    assert min(voxels(found["sf_distance"]).values()) < 0.0 and found["sf_distance"].gridClass == "level set"
+
+
+def test_open_surfaces_have_distances_without_sign(tmp_path):
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    surface = native.TriangleMesh(corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    list(write_volume(tmp_path / "open.vdb", native.VoxelBand(surface, 0.1, 2.0), {}, {}))
+    (distance,) = openvdb().readAll(str(tmp_path / "open.vdb"))[0]
+    assert min(voxels(distance).values()) >= 0.0 and distance.gridClass == "unknown"
+
+
+def test_distances_are_those_of_openvdbs_own_level_set(tmp_path):
+    ball = icosphere(1000)
+    points, triangles = ball.vertices.astype(np.float32), ball.triangles
+    surface = native.TriangleMesh(points.astype(float), triangles)
+    band = native.VoxelBand(surface, 0.05, 3.0)
+    path = tmp_path / "ball.vdb"
+    list(write_volume(path, band, {}, {}))
+    (ours,) = openvdb().readAll(str(path))[0]
+    theirs = openvdb().FloatGrid.createLevelSetFromPolygons(
+        points, triangles=triangles.astype(np.uint32), transform=openvdb().createLinearTransform(0.05), halfWidth=3.0
+    )
+    assert ours.gridClass == "level set" and ours.background == theirs.background
+    a, b = voxels(ours), voxels(theirs)
+    # OpenVDB smooths its distances by some hundredths of a voxel, so that voxels at the edge of the band differ; ours
+    # are exact (HoldsExactlyTheVoxelsNearTheSurface).
+    smoothed = 0.2 * 0.05
+    both = a.keys() & b.keys()
+    assert max(abs(a[at] - b[at]) for at in both) < smoothed
+    assert all(abs((a | b)[at]) > 3.0 * 0.05 - smoothed for at in a.keys() ^ b.keys())
+    inside = ours.getConstAccessor()
+    assert inside.getValue((0, 0, 0)) == -ours.background and inside.getValue((100, 0, 0)) == ours.background
+
+
+def test_equal_volumes_have_equal_bytes_and_others_another_identifier(mesh, tmp_path):
+    surface = native.TriangleMesh(mesh.vertices, mesh.triangles)
+    band = native.VoxelBand(surface, 0.2, 2.0)
+
+    def written(name, note):
+        list(write_volume(tmp_path / name, band, {}, {"note": note}))
+        return (tmp_path / name).read_bytes()
+
+    assert written("a.vdb", "x") == written("b.vdb", "x")
+    assert written("a.vdb", "x")[21:57] != written("c.vdb", "y")[21:57]
+
+
+def test_images_come_back_bit_for_bit_with_their_metadata(tmp_path):
+    image = (np.sin(np.arange(60, dtype=np.float32)) * 1e-3).reshape(3, 5, 4)
+    for half in (False, True):
+        list(write_image(tmp_path / "a.exr", image, {"stormfield:basis": "uv"}, half=half))
+        list(write_image(tmp_path / "b.exr", image, {"stormfield:basis": "uv"}, half=half))
+        assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
+        pixels, header = read_exr(tmp_path / "a.exr")
+        assert np.array_equal(pixels, image.astype(np.float16).astype(np.float32) if half else image)
+        assert header["stormfield:basis"] == "uv"
+        assert header["DateTime"] == "1970:01:01 00:00:00"  # not the present
+
+
+def test_sixteen_bits_refuse_what_they_cannot_hold():
+    image = np.zeros((2, 3, 4), np.float32)
+    image[1, 2, 1] = 1e6
+    with pytest.raises(InputError, match=r"pixel \(2, 1\) holds 1e\+06"):
+        check_half(image)
+    image[1, 2, 1] = 65504.0
+    check_half(image)
+
+
+def test_files_that_cannot_be_written_are_named(tmp_path):
+    with pytest.raises(OSError, match="nowhere"):
+        list(write_image(tmp_path / "nowhere" / "a.exr", np.zeros((2, 2, 4), np.float32), {}, half=False))
+
+
 def test_volumes_are_read_by_blenders_openvdb(task, mesh):
     bpy = pytest.importorskip("bpy")
     result = run(bake_steps(replace(task, targets=frozenset({"vdb"}))))
@@ -306,8 +412,9 @@ WORDS = {"exr": ("Reading the UV layer", "Drawing the flow map"), "vdb": ("Findi
 SOON = 1.0
 
 
-def waits(step, words, fraction=0.0):
-    return step.waiting and step.message.startswith(words) and step.fraction >= fraction
+def works(step, words, fraction=0.0):
+    """Whether a step is within the work that its message names, beyond its announcement."""
+    return step.message.startswith(words) and step.fraction > fraction
 
 
 @pytest.mark.parametrize("target", ["exr", "vdb"])
@@ -316,15 +423,15 @@ def test_closing_stops_the_core_at_once_and_leaves_nothing_of_the_file_in_work(t
     preparing, drawing = WORDS[target]
     # Five parts: preparing, then four frames.
     for part in (0.0, 0.04, 0.12):
-        assert closed_at(bake_steps(large), lambda step, part=part: waits(step, preparing, part)) < SOON
+        assert closed_at(bake_steps(large), lambda step, part=part: works(step, preparing, part)) < SOON
         assert set(contents(task.root / target)) == {"plan.json"}
     # One frame becomes finished, and stays.
-    assert closed_at(bake_steps(large), lambda step: waits(step, drawing, 0.4)) < SOON
+    assert closed_at(bake_steps(large), lambda step: works(step, drawing, 0.4)) < SOON
     finished = contents(task.root / target)
     assert set(finished) == {"plan.json", f"frames/frame_0001.{target}", f"frames/frame_0001.{target}.sha256"}
     # Three are left; the next one is worked on from 0.25 to 0.5.
     for part in (0.25, 0.35):
-        assert closed_at(bake_steps(large), lambda step, part=part: waits(step, drawing, part)) < SOON
+        assert closed_at(bake_steps(large), lambda step, part=part: works(step, drawing, part)) < SOON
         assert contents(task.root / target) == finished
 
 

@@ -6,18 +6,25 @@ image (metadata()) and in native/io/flow_map.h.
 """
 
 import hashlib
+from collections.abc import Generator
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ... import native
 from ...cache import fields
+from ...cache.bundled import bundled
 from ...model.errors import InputError
 from ...model.mesh_data import MeshData
+from ...work import Steps, result_of
 from ..task import BakeTask
 from .frame_files import FrameFiles
+from .writing import disk_faults
 
+#: Rows that OpenEXR compresses together, and pixels that are written between two steps.
+ROWS, PIXELS = 16, 1 << 18
 #: What the channels hold, by basis.
 CHANNELS = {
     "uv": "R, G: velocity of u and v, UV units per second; B: speed, mesh units per second; A: 1 on the mesh",
@@ -32,6 +39,7 @@ class FlowMaps(FrameFiles):
 
     @staticmethod
     def check(task: BakeTask) -> None:
+        bundled("OpenImageIO")
         find_layer(task.mesh, task.exr.uv_layer)
         if task.exr.basis not in CHANNELS:
             raise InputError(f"the basis of flow maps is '{task.exr.basis}'; choose one of {', '.join(CHANNELS)}")
@@ -48,10 +56,15 @@ class FlowMaps(FrameFiles):
         size, margin = self._task.exr.resolution, self._task.exr.margin
         return native.start_flow_map(mesh, self._uvs, size, size, margin)
 
-    def _start_file(self, shared: Any, sample: dict[str, np.ndarray], mesh: Any, lam: float) -> Any:
-        settings = self._task.exr
-        field = fields.field_at(sample, fields.ATTRIBUTE[settings.field], mesh)
-        return shared.start_exr(field, settings.basis, settings.half, self.metadata(lam))
+    def _make(self, shared: Any, sample: dict[str, np.ndarray], mesh: Any, message: str) -> Steps[np.ndarray]:
+        field = fields.field_at(sample, fields.ATTRIBUTE[self._task.exr.field], mesh)
+        image = yield from result_of(shared.start_image(field, self._task.exr.basis), 0.0, message)
+        if self._task.exr.half:
+            check_half(image)
+        return image
+
+    def _write(self, shared: Any, content: np.ndarray, lam: float, path: Path) -> Generator[float]:
+        yield from write_image(path, content, self.metadata(lam), half=self._task.exr.half)
 
     def _remarks(self, shared: Any) -> list[str]:
         return remarks(shared, self._layer)
@@ -66,6 +79,47 @@ class FlowMaps(FrameFiles):
             "stormfield:mesh": self._identity.fingerprint,
             "stormfield:uv_layer": self._layer,
         }
+
+
+def write_image(path: Path, image: np.ndarray, metadata: dict[str, str], *, half: bool) -> Generator[float]:
+    """Writes (height, width, 4) float32 as OpenEXR in steps: ZIP, 32 bit floats or (half) 16, metadata in the header.
+    Equal input gives equal bytes in one version of Blender."""
+    oiio = bundled("OpenImageIO")
+    height, width, channels = image.shape
+    spec = oiio.ImageSpec(width, height, channels, "half" if half else "float")
+    spec.attribute("compression", "zip")
+    spec.attribute("oiio:ColorSpace", "raw")
+    # Without a date OpenImageIO writes the present one, and no two bakes would be equal.
+    spec.attribute("DateTime", "1970:01:01 00:00:00")
+    for name, text in metadata.items():
+        spec.attribute(name, text)
+    output = oiio.ImageOutput.create(str(path))
+
+    def check(done: bool) -> None:
+        if not done:
+            raise RuntimeError((output or oiio).geterror())
+
+    rows = ROWS * max(1, PIXELS // (ROWS * width))
+    with disk_faults(path):
+        check(output is not None and output.open(str(path), spec))
+        try:
+            for first in range(0, height, rows):
+                last = min(first + rows, height)
+                check(output.write_scanlines(first, last, 0, np.ascontiguousarray(image[first:last])))
+                yield last / height
+        finally:
+            closed = output.close()
+        check(closed)
+
+
+def check_half(image: np.ndarray) -> None:
+    """Raises InputError naming the first pixel that holds more than 16 bit floats can."""
+    beyond = np.abs(image).max(axis=2) > np.finfo(np.float16).max
+    if beyond.any():
+        y, x = np.argwhere(beyond)[0]
+        raise InputError(
+            f"pixel ({x}, {y}) holds {np.abs(image[y, x]).max():g}, more than 16 bit floats can; write 32 bit floats"
+        )
 
 
 def remarks(flow_map: Any, layer: str) -> list[str]:

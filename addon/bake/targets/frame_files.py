@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What targets with one file for each frame share: the core makes each file in memory, Python writes it in slices."""
+"""What targets with one file for each frame share: the core makes the content, a library in Blender writes the file."""
 
 import contextlib
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,12 @@ from ...cache import fields
 from ...cache.field_cache import FieldCache
 from ...cache.plan import MeshIdentity, Plan
 from ...cache.store import CacheStore
-from ...work import Step, Steps, between, result_of
+from ...work import Step, Steps, between, result_of, scaled
 from ..task import BakeTask
 from .target import Origin
 
 #: Where a file is made and its writing begins, in the fractions of its steps.
-MADE = 0.9
+MADE = 0.5
 
 
 class FrameFiles:
@@ -61,10 +62,10 @@ class FrameFiles:
         lam, made = self._task.lambdas[index], between(start, end, MADE)
         message = f"{self.making} of frame {self._task.frames[index]}"
         yield Step(start, message)
-        job = self._start_file(shared, self._cache.at(lam), mesh, lam)
-        data = yield from result_of(job, start, message, made)
-        with contextlib.closing(self._store.write_bytes(index, data)) as slices:
-            for fraction in slices:
+        content = yield from scaled(self._make(shared, self._cache.at(lam), mesh, message), start, made)
+        write = partial(self._write, shared, content, lam)
+        with contextlib.closing(self._store.write_in_steps(index, write)) as fractions:
+            for fraction in fractions:
                 yield Step(between(made, end, fraction), message)
 
     # Of each target ---------------------------------------------------------------------------------------------------
@@ -74,11 +75,15 @@ class FrameFiles:
         raise NotImplementedError
 
     def _start_shared(self, mesh: Any) -> Any:
-        """Begins what all frames share: a job for _start_file. mesh: native TriangleMesh."""
+        """Begins what all frames share: a job. mesh: native TriangleMesh."""
         raise NotImplementedError
 
-    def _start_file(self, shared: Any, sample: dict[str, np.ndarray], mesh: Any, lam: float) -> Any:
-        """Begins one file: a job whose result is its bytes. sample: the attributes of the λ cache at λ."""
+    def _make(self, shared: Any, sample: dict[str, np.ndarray], mesh: Any, message: str) -> Steps[Any]:
+        """The content of one file, for _write. sample: the attributes of the λ cache at λ."""
+        raise NotImplementedError
+
+    def _write(self, shared: Any, content: Any, lam: float, path: Path) -> Generator[float]:
+        """Leaves a complete file at path; yields the fraction that is written. Raises OSError."""
         raise NotImplementedError
 
     def _remarks(self, shared: Any) -> list[str]:

@@ -1,5 +1,3 @@
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -66,35 +64,7 @@ TEST(FlowMap, WhereNothingShowsAllChannelsAreZero) {
   EXPECT_EQ(image.pixels[4 * (15 * 16) + 3], 1.0f);              // bottom left: v = 0
 }
 
-TEST(FlowMap, ExrComesBackBitForBitWithItsMetadata) {
-  namespace oiio = OIIO;
-  FlowMapImage image{5, 3, {}};
-  for (int i = 0; i < 60; ++i) image.pixels.push_back(std::sin(static_cast<float>(i)) * 1e-3f);
-  const std::string bytes = exrBytes(image, false, {{"stormfield:basis", "uv"}, {"stormfield:lambda", "0.25"}});
-  EXPECT_EQ(bytes, exrBytes(image, false, {{"stormfield:basis", "uv"}, {"stormfield:lambda", "0.25"}}));
-
-  oiio::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());
-  const auto input = oiio::ImageInput::open("x.exr", nullptr, &memory);
-  ASSERT_TRUE(input) << oiio::geterror();
-  EXPECT_EQ(input->spec().width, 5);
-  EXPECT_EQ(input->spec().height, 3);
-  EXPECT_EQ(input->spec().format, oiio::TypeFloat);
-  EXPECT_EQ(input->spec().get_string_attribute("stormfield:basis"), "uv");
-  EXPECT_EQ(input->spec().get_string_attribute("stormfield:lambda"), "0.25");
-  EXPECT_EQ(input->spec().get_string_attribute("DateTime"), "1970:01:01 00:00:00");  // not the present
-  std::vector<float> read(60);
-  ASSERT_TRUE(input->read_image(0, 0, 0, 4, oiio::TypeFloat, read.data()));
-  EXPECT_EQ(read, image.pixels);
-}
-
-TEST(FlowMap, SixteenBitsRefuseWhatTheyCannotHold) {
-  FlowMapImage image{2, 1, {0, 0, 0, 1, 0, 1e6f, 0, 1}};
-  EXPECT_THROW(exrBytes(image, true, {}), InputError);
-  image.pixels[5] = 1.0f;
-  EXPECT_LT(exrBytes(image, true, {}).size(), 2000u);
-}
-
-TEST(FlowMap, StopsSoonWhileItDrawsAndCompresses) {
+TEST(FlowMap, StopsSoonWhileItDraws) {
   const Plane plane;
   const Index side = test::shortOrLong(1024, 2048);
   const VectorField field = plane.constant(plane.a);
@@ -102,11 +72,6 @@ TEST(FlowMap, StopsSoonWhileItDrawsAndCompresses) {
   const auto draw = [&](Progress* p) { return flowMap(field, plane.uvs, raster, FlowMapBasis::Uv, p); };
   for (const double fraction : {0.0, 0.3}) {
     EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { draw(&p); }), kSoon);
-  }
-  FlowMapImage image = draw(nullptr);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] *= std::sin(static_cast<float>(i));
-  for (const double fraction : {0.0, 0.1, 0.5}) {
-    EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { exrBytes(image, false, {}, &p); }), kSoon);
   }
 }
 
