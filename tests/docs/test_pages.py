@@ -81,9 +81,15 @@ def test_every_operator_and_every_setting_in_a_panel_has_a_place():
     assert shown <= named
 
 
-@pytest.mark.parametrize("part", ["native"])
-def test_the_arrows_can_be_shown(part):
-    assert arrows.table(part)
+@pytest.mark.parametrize("part", ["native", "addon"])
+def test_the_arrows_say_what_the_layering_test_allows(part):
+    table, drawn = arrows.allowed(part), arrows.arrows(part)
+
+    def reached(folder):
+        return set(drawn[folder]).union(*(reached(other) for other in drawn[folder]))
+
+    assert all(table[folder] <= reached(folder) for folder in table)
+    assert "currentColor" in arrows.picture(part)
 
 
 def test_the_checks_can_fail():

@@ -54,17 +54,20 @@ class Operators(SphinxDirective):
 
 
 class Arrows(SphinxDirective):
-    """```{arrows} PART```: who may include or import whom, from the tables of tests/layering."""
+    """```{arrows} PART```: who may include or import whom, from the tables of tests/layering, drawn and listed."""
 
     required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
         self.env.note_dependency(str(arrows.TEST))
         try:
-            rows = arrows.table(self.arguments[0])
+            drawn, rows = arrows.picture(self.arguments[0]), arrows.table(self.arguments[0])
         except (KeyError, ValueError) as error:
             raise self.error(str(error)) from error
-        return [_table(("folder", "may use"), rows, code=2)]
+        return [
+            nodes.raw("", drawn, format="html"),
+            _table(("folder", "may use, with all that these use"), rows, code=2),
+        ]
 
 
 class Schema(SphinxDirective):
