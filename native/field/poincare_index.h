@@ -1,4 +1,5 @@
-// Poincare index of every face, an integer from edge data only (thesis 2.2.3; decision 2).
+// Poincare index of every face, an integer from edge data only (thesis 2.2.3; docs/architecture.md,
+// decision 2).
 //
 // Along an edge the field turns by the wrapped angle between its two carried end vectors, computed once per edge; at
 // the corners it turns by the chart's own twist. The turns around a face add up to 2 pi times an integer, and over a

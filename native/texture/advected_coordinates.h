@@ -1,7 +1,8 @@
 // Texture coordinates that flow: for every frame, where the material at each vertex was when its cycle began.
 //
 // Coordinates carried for ever would be stretched without limit, so each vertex x has two phases, half a period apart,
-// and each starts anew once a period P (DESIGN decision 12). With the offset o(x) of the vertex (texture/stagger.h)
+// and each starts anew once a period P (docs/algorithms/flowing-texture.md). With the offset o(x) of the vertex
+// (texture/stagger.h)
 //     cycle position  c_a = frame / P + o(x),   c_b = c_a + 1/2,      age = fractional part of c, in periods,
 //     phase(x)        = x traced back along the unsteady advection field for age * P frames + offset of the cycle.
 // The phases are 3D positions in object space, for solid textures on any mesh. Each cycle of each phase adds its own

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "docs" / "extension"))
 from stormfield_docs import addon, arrows, commands, python_reference  # noqa: E402
-from stormfield_docs.pages import anchors, broken_links, decisions_cited, missing_files, pages, slug  # noqa: E402
+from stormfield_docs.pages import anchors, broken_links, cited_tests, decisions_cited, missing_files, pages, slug  # noqa: E402
 
 
 def code_files() -> list[Path]:
@@ -30,6 +30,14 @@ def test_links_lead_somewhere():
 def test_pages_name_files_that_exist():
     missing = {page: found for page, text in pages().items() if (found := missing_files(text))}
     assert not missing
+
+
+def test_tests_that_pages_name_exist():
+    written = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests" / "native").rglob("test_*.cpp"))
+    known = {f"{suite}.{name}" for suite, name in re.findall(r"^TEST(?:_[FP])?\((\w+), (\w+)\)", written, flags=re.M)}
+    for page, text in pages().items():
+        if page.startswith("docs/algorithms"):
+            assert set(cited_tests(text)) <= known, page
 
 
 def test_code_cites_pages_that_exist():

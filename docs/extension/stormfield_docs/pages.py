@@ -88,6 +88,11 @@ def _normal(path: str) -> str:
     return "/".join(parts)
 
 
+def cited_tests(text: str) -> list[str]:
+    """C++ tests named as Suite.Name."""
+    return re.findall(r"`([A-Z]\w+\.[A-Z]\w+)`", text)
+
+
 def decisions_cited(text: str) -> list[str]:
     """Numbers of the decisions that a comment cites."""
     cited = re.findall(r"docs/architecture\.md,\s*(?://\s*)?decisions? ([\d, and]+)", text)

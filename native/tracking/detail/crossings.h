@@ -1,4 +1,5 @@
-// Where fixed points pass from face to face while lambda grows (thesis 11.2.2; Tricoche et al. 2002; decision 3).
+// Where fixed points pass from face to face while lambda grows (thesis 11.2.2; Tricoche et al. 2002;
+// docs/architecture.md, decision 3).
 //
 // On an edge the field blends its two carried end vectors, p from the tail and q from the head, both linear in lambda
 // between two samples. It is zero somewhere on the edge where p and q are opposed: cross(p, q) = 0, a quadratic in
