@@ -87,7 +87,7 @@ def strokes(surface: Surface, mesh, values: np.ndarray, seeds: Seeds, length: fl
     field = native.VectorField.from_space(mesh, paced)
     duration = seeds.spacing * length
     traces = native.trace_streamlines(
-        field, seeds.faces, seeds.barycentric, maximal_time=duration, tolerance=0.1, maximal_steps=200
+        field, seeds.faces, seeds.barycentric, max_time=duration, tolerance=0.1, max_steps=200
     )
     offsets = np.asarray(traces.offsets)
     points = traces.points + LIFT * surface.size * _evaluate(surface, surface.normals, traces.faces, traces.barycentric)

@@ -34,10 +34,10 @@ GivenCurve givenCurve(const TriangleMesh& mesh, const py::handle& item) {
 constexpr double kTopology = 0.4;
 
 std::shared_ptr<StreamlinesJob> start(const FieldHandle& field, double distance, bool topology,
-                                      const py::iterable& curves, double minimalSpeed) {
+                                      const py::iterable& curves, double minSpeed) {
   std::vector<GivenCurve> given;
   for (const py::handle curve : curves) given.push_back(givenCurve(field.mesh->mesh(), curve));
-  const EvenSpacing spacing{distance, minimalSpeed};
+  const EvenSpacing spacing{distance, minSpeed};
   return std::make_shared<StreamlinesJob>(
       [mesh = field.mesh, values = field.field, given = std::move(given), spacing, topology](Progress& progress) {
         const FlatFaces& faces = *mesh->flatFaces();
@@ -107,13 +107,12 @@ void bind_streamlines(py::module_& m) {
                           });
   m.def(
       "start_evenly_spaced_streamlines", &start, py::arg("field"), py::arg("distance"), py::kw_only(),
-      py::arg("topology") = true, py::arg("curves") = py::tuple(),
-      py::arg("minimal_speed") = EvenSpacing{}.minimalSpeed,
+      py::arg("topology") = true, py::arg("curves") = py::tuple(), py::arg("min_speed") = EvenSpacing{}.minSpeed,
       "Evenly spaced streamlines of a VectorField, topology first (thesis 3.4) -> StreamlinesJob.\n\n"
       "distance: between lines, mesh units. topology: whether the field's periodic orbits and separatrices are found\n"
       "and drawn first; given is then their number after the curves: orbits, then separatrices. Without, lines begin\n"
       "around fixed points. curves: more known streamlines that the others leave room, each (faces (k,) int32,\n"
-      "barycentric (k, 3) float64, closed, against_flow), from the end that stays. minimal_speed: part of the fastest\n"
+      "barycentric (k, 3) float64, closed, against_flow), from the end that stays. min_speed: part of the fastest\n"
       "vertex's speed that counts as standing still. The same result for any number of threads.\n"
       "result() raises InputError and Cancelled.");
 }

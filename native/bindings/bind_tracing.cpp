@@ -12,7 +12,7 @@
 namespace stormfield::bindings {
 namespace {
 
-constexpr const char* kStopReasons[] = {"time", "length", "minimal_speed", "boundary", "step_limit", "visitor"};
+constexpr const char* kStopReasons[] = {"time", "length", "min_speed", "boundary", "step_limit", "visitor"};
 
 /// Python's Traces and ParticleLines: with the mesh, for positions.
 struct TracesHandle {
@@ -35,27 +35,26 @@ Choice oneOf(const std::string& given, const char* what, const std::pair<const c
   throw InputError(message(what, " '", given, "'; choose ", choices[0].first, " or ", choices[1].first));
 }
 
-TraceOptions makeOptions(const std::string& direction, double maximalTime, double maximalLength, double tolerance,
-                         double minimalSpeed, const std::string& boundary, Index maximalSteps) {
+TraceOptions makeOptions(const std::string& direction, double maxTime, double maxLength, double tolerance,
+                         double minSpeed, const std::string& boundary, Index maxSteps) {
   TraceOptions options;
   options.direction =
       oneOf<Direction>(direction, "direction", {{"forward", Direction::Forward}, {"backward", Direction::Backward}});
   options.boundary =
       oneOf<BoundaryRule>(boundary, "boundary", {{"stop", BoundaryRule::Stop}, {"slide", BoundaryRule::Slide}});
-  options.maximalTime = maximalTime;
-  options.maximalLength = maximalLength;
+  options.maxTime = maxTime;
+  options.maxLength = maxLength;
   options.tolerance = tolerance;
-  options.minimalSpeed = minimalSpeed;
-  options.maximalSteps = maximalSteps;
+  options.minSpeed = minSpeed;
+  options.maxSteps = maxSteps;
   return options;
 }
 
 TracesHandle streamlines(const FieldHandle& field, const py::object& faces, const py::object& barycentric,
-                         const std::string& direction, double maximalTime, double maximalLength, double tolerance,
-                         double minimalSpeed, const std::string& boundary, Index maximalSteps,
+                         const std::string& direction, double maxTime, double maxLength, double tolerance,
+                         double minSpeed, const std::string& boundary, Index maxSteps,
                          const std::shared_ptr<Progress>& progress) {
-  const TraceOptions options =
-      makeOptions(direction, maximalTime, maximalLength, tolerance, minimalSpeed, boundary, maximalSteps);
+  const TraceOptions options = makeOptions(direction, maxTime, maxLength, tolerance, minSpeed, boundary, maxSteps);
   const auto seeds = inputSurfacePoints(field.mesh->mesh(), faces, barycentric);
   const py::gil_scoped_release release;
   return {field.mesh, traceStreamlines(*field.mesh->flatFaces(), field.field, seeds, options, progress.get())};
@@ -70,11 +69,10 @@ std::vector<double> perSeed(const py::object& argument, const char* name, std::s
 }
 
 std::shared_ptr<TracesJob> startStreamlines(const FieldHandle& field, const py::object& faces,
-                                            const py::object& barycentric, const std::string& direction,
-                                            double maximalTime, double maximalLength, double tolerance,
-                                            double minimalSpeed, const std::string& boundary, Index maximalSteps) {
-  const TraceOptions options =
-      makeOptions(direction, maximalTime, maximalLength, tolerance, minimalSpeed, boundary, maximalSteps);
+                                            const py::object& barycentric, const std::string& direction, double maxTime,
+                                            double maxLength, double tolerance, double minSpeed,
+                                            const std::string& boundary, Index maxSteps) {
+  const TraceOptions options = makeOptions(direction, maxTime, maxLength, tolerance, minSpeed, boundary, maxSteps);
   const auto seeds = inputSurfacePoints(field.mesh->mesh(), faces, barycentric);
   return std::make_shared<TracesJob>([field, seeds, options](Progress& progress) {
     return std::make_shared<const TracesHandle>(
@@ -88,14 +86,14 @@ LambdaTrack lambdaTrack(const py::object& times, const py::object& lambdas) {
 }
 
 LineOptions lineOptions(double spacing, double interval, double tolerance, const std::string& boundary,
-                        Index maximalParticles) {
+                        Index maxParticles) {
   LineOptions options;
   options.spacing = spacing;
   options.interval = interval;
   options.tolerance = tolerance;
   options.boundary =
       oneOf<BoundaryRule>(boundary, "boundary", {{"stop", BoundaryRule::Stop}, {"slide", BoundaryRule::Slide}});
-  options.maximalParticles = maximalParticles;
+  options.maxParticles = maxParticles;
   return options;
 }
 
@@ -115,10 +113,10 @@ std::shared_ptr<ParticleLinesJob> startStreaklines(const ParameterizedFieldHandl
                                                    const py::object& lambdas, const py::object& faces,
                                                    const py::object& barycentric, double start, const py::object& at,
                                                    double speed, double spacing, double interval, double tolerance,
-                                                   const std::string& boundary, Index maximalParticles) {
+                                                   const std::string& boundary, Index maxParticles) {
   const auto seeds = inputSurfacePoints(field.mesh->mesh(), faces, barycentric);
   const auto when = toVector(inputArray<double>(at, "at", {kAny}));
-  const LineOptions options = lineOptions(spacing, interval, tolerance, boundary, maximalParticles);
+  const LineOptions options = lineOptions(spacing, interval, tolerance, boundary, maxParticles);
   return startLines(field, lambdaTrack(times, lambdas), speed, [=](const UnsteadyField& flow, Progress& progress) {
     return traceStreaklines(flow, seeds, start, when, options, &progress);
   });
@@ -127,7 +125,7 @@ std::shared_ptr<ParticleLinesJob> startStreaklines(const ParameterizedFieldHandl
 std::shared_ptr<ParticleLinesJob> startTimelines(const ParameterizedFieldHandle& field, const py::object& times,
                                                  const py::object& lambdas, const py::iterable& curves, double start,
                                                  const py::object& at, double speed, double spacing, double tolerance,
-                                                 const std::string& boundary, Index maximalParticles) {
+                                                 const std::string& boundary, Index maxParticles) {
   std::vector<std::vector<SurfacePoint>> given;
   for (const py::handle curve : curves) {
     const auto parts = py::cast<py::tuple>(curve);
@@ -136,7 +134,7 @@ std::shared_ptr<ParticleLinesJob> startTimelines(const ParameterizedFieldHandle&
   }
   const auto when = toVector(inputArray<double>(at, "at", {kAny}));
   const LineOptions options =
-      lineOptions(spacing, std::numeric_limits<double>::infinity(), tolerance, boundary, maximalParticles);
+      lineOptions(spacing, std::numeric_limits<double>::infinity(), tolerance, boundary, maxParticles);
   return startLines(field, lambdaTrack(times, lambdas), speed, [=](const UnsteadyField& flow, Progress& progress) {
     return traceTimelines(flow, given, start, when, options, &progress);
   });
@@ -156,10 +154,10 @@ std::shared_ptr<TracesJob> startPathlines(const ParameterizedFieldHandle& field,
                                           const py::object& lambdas, const py::object& faces,
                                           const py::object& barycentric, const py::object& start,
                                           const py::object& duration, double speed, const std::string& direction,
-                                          double maximalLength, double tolerance, const std::string& boundary,
-                                          Index maximalSteps) {
+                                          double maxLength, double tolerance, const std::string& boundary,
+                                          Index maxSteps) {
   const TraceOptions options =
-      makeOptions(direction, TraceOptions{}.maximalTime, maximalLength, tolerance, 0.0, boundary, maximalSteps);
+      makeOptions(direction, TraceOptions{}.maxTime, maxLength, tolerance, 0.0, boundary, maxSteps);
   const LambdaTrack track = lambdaTrack(times, lambdas);
   const auto seeds = pathlineSeeds(field, faces, barycentric, start, duration);
   return std::make_shared<TracesJob>([field, track, seeds, speed, options](Progress& progress) {
@@ -171,11 +169,11 @@ std::shared_ptr<TracesJob> startPathlines(const ParameterizedFieldHandle& field,
 
 TracesHandle pathlines(const ParameterizedFieldHandle& field, const py::object& times, const py::object& lambdas,
                        const py::object& faces, const py::object& barycentric, const py::object& start,
-                       const py::object& duration, double speed, const std::string& direction, double maximalLength,
-                       double tolerance, const std::string& boundary, Index maximalSteps,
+                       const py::object& duration, double speed, const std::string& direction, double maxLength,
+                       double tolerance, const std::string& boundary, Index maxSteps,
                        const std::shared_ptr<Progress>& progress) {
   const TraceOptions options =
-      makeOptions(direction, TraceOptions{}.maximalTime, maximalLength, tolerance, 0.0, boundary, maximalSteps);
+      makeOptions(direction, TraceOptions{}.maxTime, maxLength, tolerance, 0.0, boundary, maxSteps);
   const LambdaTrack track = lambdaTrack(times, lambdas);
   const auto seeds = pathlineSeeds(field, faces, barycentric, start, duration);
   const py::gil_scoped_release release;
@@ -221,30 +219,30 @@ void bindLines(py::module_& m) {
   const TraceOptions traces;
   const LineOptions lines;
   m.def("start_streamlines", &startStreamlines, py::arg("field"), py::arg("faces"), py::arg("barycentric"),
-        py::kw_only(), py::arg("direction") = "forward", py::arg("maximal_time") = infinity,
-        py::arg("maximal_length") = infinity, py::arg("tolerance") = traces.tolerance,
-        py::arg("minimal_speed") = traces.minimalSpeed, py::arg("boundary") = "stop",
-        py::arg("maximal_steps") = traces.maximalSteps, "As trace_streamlines, without waiting. -> TracesJob.");
+        py::kw_only(), py::arg("direction") = "forward", py::arg("max_time") = infinity,
+        py::arg("max_length") = infinity, py::arg("tolerance") = traces.tolerance,
+        py::arg("min_speed") = traces.minSpeed, py::arg("boundary") = "stop", py::arg("max_steps") = traces.maxSteps,
+        "As trace_streamlines, without waiting. -> TracesJob.");
   m.def("start_pathlines", &startPathlines, py::arg("field"), py::arg("times"), py::arg("lambdas"), py::arg("faces"),
         py::arg("barycentric"), py::arg("start"), py::arg("duration"), py::kw_only(), py::arg("speed") = 1.0,
-        py::arg("direction") = "forward", py::arg("maximal_length") = infinity, py::arg("tolerance") = traces.tolerance,
-        py::arg("boundary") = "stop", py::arg("maximal_steps") = traces.maximalSteps,
+        py::arg("direction") = "forward", py::arg("max_length") = infinity, py::arg("tolerance") = traces.tolerance,
+        py::arg("boundary") = "stop", py::arg("max_steps") = traces.maxSteps,
         "As trace_pathlines, without waiting. -> TracesJob.");
   m.def(
       "start_streaklines", &startStreaklines, py::arg("field"), py::arg("times"), py::arg("lambdas"), py::arg("faces"),
       py::arg("barycentric"), py::arg("start"), py::arg("at"), py::kw_only(), py::arg("speed") = 1.0,
       py::arg("spacing") = infinity, py::arg("interval") = infinity, py::arg("tolerance") = lines.tolerance,
-      py::arg("boundary") = "stop", py::arg("maximal_particles") = lines.maximalParticles,
+      py::arg("boundary") = "stop", py::arg("max_particles") = lines.maxParticles,
       "Streaklines of a ParameterizedField at the times `at` (f,) seconds, increasing: where the particles are that\n"
       "were released at each seed from `start` on, the oldest first (thesis 10.1.2). -> ParticleLinesJob, whose\n"
       "result is a list of f ParticleLines.\n\n"
       "times, lambdas, speed, tolerance, boundary: as in trace_pathlines. spacing: largest distance of neighbours in\n"
       "mesh units, where they are farther apart more particles are released between them. interval: largest time\n"
-      "between two releases, seconds. Raises InputError, also for a line of more than maximal_particles.");
+      "between two releases, seconds. Raises InputError, also for a line of more than max_particles.");
   m.def("start_timelines", &startTimelines, py::arg("field"), py::arg("times"), py::arg("lambdas"), py::arg("curves"),
         py::arg("start"), py::arg("at"), py::kw_only(), py::arg("speed") = 1.0, py::arg("spacing") = infinity,
         py::arg("tolerance") = lines.tolerance, py::arg("boundary") = "stop",
-        py::arg("maximal_particles") = lines.maximalParticles,
+        py::arg("max_particles") = lines.maxParticles,
         "Timelines: where at the times `at` the particles are that lay on the curves at `start` (thesis 10.1.2).\n"
         "curves: list of (faces (k,) int32, barycentric (k, 3) float64), points joined by the shortest way. The rest\n"
         "as in start_streaklines. -> ParticleLinesJob.");
@@ -275,28 +273,27 @@ void bind_tracing(py::module_& m) {
             for (const TraceEnd& end : self.traces.ends) result.append(kStopReasons[static_cast<int>(end.reason)]);
             return result;
           },
-          "list of k str, why each trace ends: time, length, minimal_speed (a fixed point is near), boundary, "
+          "list of k str, why each trace ends: time, length, min_speed (a fixed point is near), boundary, "
           "step_limit.");
 
   const double infinity = std::numeric_limits<double>::infinity();
   const TraceOptions defaults;
-  m.def(
-      "trace_streamlines", &streamlines, py::arg("field"), py::arg("faces"), py::arg("barycentric"), py::kw_only(),
-      py::arg("direction") = "forward", py::arg("maximal_time") = infinity, py::arg("maximal_length") = infinity,
-      py::arg("tolerance") = defaults.tolerance, py::arg("minimal_speed") = defaults.minimalSpeed,
-      py::arg("boundary") = "stop", py::arg("maximal_steps") = defaults.maximalSteps,
-      py::arg("progress") = std::shared_ptr<Progress>(),
-      "Streamlines of a VectorField through seeds: faces (k,) int32, barycentric (k, 3) float64 -> Traces.\n\n"
-      "direction: forward or backward. maximal_time: seconds. maximal_length: mesh units. tolerance: largest "
-      "estimated\n"
-      "error of a step in mean edge lengths. minimal_speed: part of the fastest vertex's speed at which a trace ends.\n"
-      "boundary: stop, or slide along it. Runs in parallel with the same result for any number of threads.\n"
-      "Raises InputError (naming the seed or option) and Cancelled.");
+  m.def("trace_streamlines", &streamlines, py::arg("field"), py::arg("faces"), py::arg("barycentric"), py::kw_only(),
+        py::arg("direction") = "forward", py::arg("max_time") = infinity, py::arg("max_length") = infinity,
+        py::arg("tolerance") = defaults.tolerance, py::arg("min_speed") = defaults.minSpeed,
+        py::arg("boundary") = "stop", py::arg("max_steps") = defaults.maxSteps,
+        py::arg("progress") = std::shared_ptr<Progress>(),
+        "Streamlines of a VectorField through seeds: faces (k,) int32, barycentric (k, 3) float64 -> Traces.\n\n"
+        "direction: forward or backward. max_time: seconds. max_length: mesh units. tolerance: largest "
+        "estimated\n"
+        "error of a step in mean edge lengths. min_speed: part of the fastest vertex's speed at which a trace ends.\n"
+        "boundary: stop, or slide along it. Runs in parallel with the same result for any number of threads.\n"
+        "Raises InputError (naming the seed or option) and Cancelled.");
   m.def(
       "trace_pathlines", &pathlines, py::arg("field"), py::arg("times"), py::arg("lambdas"), py::arg("faces"),
       py::arg("barycentric"), py::arg("start"), py::arg("duration"), py::kw_only(), py::arg("speed") = 1.0,
-      py::arg("direction") = "forward", py::arg("maximal_length") = infinity, py::arg("tolerance") = defaults.tolerance,
-      py::arg("boundary") = "stop", py::arg("maximal_steps") = defaults.maximalSteps,
+      py::arg("direction") = "forward", py::arg("max_length") = infinity, py::arg("tolerance") = defaults.tolerance,
+      py::arg("boundary") = "stop", py::arg("max_steps") = defaults.maxSteps,
       py::arg("progress") = std::shared_ptr<Progress>(),
       "Pathlines of a ParameterizedField along lambda(t): times (s,) seconds, increasing, with lambdas (s,), linear\n"
       "between and constant outside. start and duration: seconds, one number or (k,) float64; backward traces go from\n"

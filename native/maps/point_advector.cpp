@@ -120,7 +120,7 @@ class FlowAdvector final : public PointAdvector {
     std::array<Journey, AdvectionQueue::kLanes> journeys;
     std::array<bool, AdvectionQueue::kLanes> goesOn;
 
-    bool next(int lane, SurfacePoint& seed, double& maximalTime) {
+    bool next(int lane, SurfacePoint& seed, double& maxTime) {
       Journey& journey = journeys[lane];
       if (!goesOn[lane]) {
         AdvectedPoint from;
@@ -129,7 +129,7 @@ class FlowAdvector final : public PointAdvector {
         journey = Journey(from, tau);
       }
       seed = journey.from();
-      maximalTime = journey.left();
+      maxTime = journey.left();
       journey.rests([&] { return seed; });
       return true;
     }

@@ -143,7 +143,7 @@ std::vector<Index> MorseRefinement::chooseSets() const {
   std::vector<Index> chosen;
   for (const auto& [p, s] : open) {
     const bool most = -p * kRound >= -open.front().first;
-    if (most && steps_ + static_cast<Index>(chosen.size()) < options_.maximalSteps) chosen.push_back(s);
+    if (most && steps_ + static_cast<Index>(chosen.size()) < options_.maxSteps) chosen.push_back(s);
   }
   std::sort(chosen.begin(), chosen.end());
   return chosen;
@@ -154,7 +154,7 @@ RefinementStop MorseRefinement::refine(Progress* progress) {
   Progress* const watched = deadline.progress();
   while (true) {
     if (progress != nullptr && progress->cancelled()) return RefinementStop::Cancelled;
-    if (steps_ >= options_.maximalSteps) return RefinementStop::Steps;
+    if (steps_ >= options_.maxSteps) return RefinementStop::Steps;
     if (deadline.isOver()) return RefinementStop::Time;
     try {
       if (!round(watched)) return RefinementStop::Done;

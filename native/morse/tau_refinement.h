@@ -46,13 +46,13 @@ struct RefinementOptions {
   double edgesMin = 4.0, edgesMax = 256.0;
   double leastPriority = 2.0;  ///< sets of this priority or less are left as they are (r of thesis 8.3)
   int patience = 3;            ///< doublings in a row that leave a set as it is, until it is done
-  Index maximalSteps = std::numeric_limits<Index>::max();           ///< refinements of one set at one tau, in all
+  Index maxSteps = std::numeric_limits<Index>::max();               ///< refinements of one set at one tau, in all
   double maximalSeconds = std::numeric_limits<double>::infinity();  ///< of wall time; the last complete round stays
 };
 
 enum class RefinementStop {
   Done,       ///< no set is left to refine
-  Steps,      ///< maximalSteps were used
+  Steps,      ///< maxSteps were used
   Time,       ///< maximalSeconds have passed
   Memory,     ///< more would not fit into the memory allowed
   Cancelled,  ///< the sets are those of the last complete round

@@ -51,7 +51,7 @@ LineRules makeRules(const TriangleMesh& mesh, const EvenSpacing& spacing) {
   const double d = spacing.distance;
   const double step = std::clamp(mesh.meanEdgeLength(), kShortestStep * d, kStep * d);
   const double most = 20.0 * mesh.totalArea() / (d * step) + 1000.0;
-  return {d, kTest * d, step, spacing.minimalSpeed, static_cast<std::size_t>(most)};
+  return {d, kTest * d, step, spacing.minSpeed, static_cast<std::size_t>(most)};
 }
 
 /// Takes the last points away that are nearer to the place than this.
@@ -66,11 +66,11 @@ class Placement {
       : faces_(faces),
         field_(field),
         d_(spacing.distance),
-        minimalSpeed_(spacing.minimalSpeed * fastestVertex(field)),
+        minSpeed_(spacing.minSpeed * fastestVertex(field)),
         rules_(makeRules(faces.mesh(), spacing)),
         samples_(faces.mesh(), d_),
         tracer_(faces, field, rules_, samples_),
-        coverage_(faces, field, d_, kGapResolution * d_, minimalSpeed_),
+        coverage_(faces, field, d_, kGapResolution * d_, minSpeed_),
         patch_(faces.mesh()),
         progress_(progress) {}
 
@@ -89,7 +89,7 @@ class Placement {
 
   const FlatFaces& faces_;
   const VectorField& field_;
-  double d_, minimalSpeed_;
+  double d_, minSpeed_;
   LineRules rules_;
   NearLines samples_;
   LineTracer tracer_;
@@ -188,7 +188,7 @@ void Placement::growBesideLines() {
       if (sinceSeed < kSeedSpacing * d_) continue;
       sinceSeed = 0.0;
       const Complex velocity = velocityAt(faces_, field_, p.point);
-      if (std::abs(velocity) <= minimalSpeed_) continue;
+      if (std::abs(velocity) <= minSpeed_) continue;
       for (const double side : {1.0, -1.0}) {
         const SurfaceWalk way = walkStraight(faces_, p.point, Complex(0.0, side) * velocity, d_);
         if (way.length < 0.99 * d_ || !hasRoom(way.point, kSeedRoom * d_)) continue;
@@ -221,7 +221,7 @@ double Placement::quietArea() const {
   for (Index f = 0; f < mesh.faceCount(); ++f) {
     double speed = 0.0;
     for (int k = 0; k < 3; ++k) speed = std::max(speed, std::abs(field_.values[mesh.vertex(f, k)]));
-    if (speed <= minimalSpeed_) area += mesh.faceArea(f);
+    if (speed <= minSpeed_) area += mesh.faceArea(f);
   }
   return area / mesh.totalArea();
 }
@@ -255,8 +255,8 @@ void checkSpacing(const TriangleMesh& mesh, const EvenSpacing& spacing) {
     throw InputError(message("the distance between streamlines is ", spacing.distance, "; give at least ",
                              kSmallestDistance * mesh.size(), ", a 2000th of the size of the surface"));
   }
-  if (!(spacing.minimalSpeed >= 0.0) || !std::isfinite(spacing.minimalSpeed)) {
-    throw InputError(message("minimal speed is ", spacing.minimalSpeed, "; give a number of 0 or more"));
+  if (!(spacing.minSpeed >= 0.0) || !std::isfinite(spacing.minSpeed)) {
+    throw InputError(message("the least speed of streamlines is ", spacing.minSpeed, "; give a number of 0 or more"));
   }
 }
 

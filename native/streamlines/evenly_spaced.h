@@ -32,8 +32,8 @@ struct StreamlineFeatures {
 };
 
 struct EvenSpacing {
-  double distance = 0.0;       ///< d, mesh units; at least a 2000th of the mesh's size
-  double minimalSpeed = 1e-6;  ///< part of the fastest vertex's speed that counts as standing still
+  double distance = 0.0;   ///< d, mesh units; at least a 2000th of the mesh's size
+  double minSpeed = 1e-6;  ///< part of the fastest vertex's speed that counts as standing still
 };
 
 /// Line i has the points offsets[i] to offsets[i + 1], in the direction of the flow, hardly more than d / 4 apart.

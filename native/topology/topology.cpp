@@ -355,7 +355,7 @@ void check(const FlatFaces& faces, const VectorField& field, const TopologyOptio
       throw InputError(message("the vector of vertex ", v, " is not finite; replace it, for example by zero"));
     }
   }
-  if (!(options.tolerance > 0.0) || !(options.bandTolerance > 0.0) || options.maximalSteps <= 0) {
+  if (!(options.tolerance > 0.0) || !(options.bandTolerance > 0.0) || options.maxSteps <= 0) {
     throw InputError("tolerances and the number of steps of an analysis must be positive");
   }
 }

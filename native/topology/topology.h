@@ -82,7 +82,7 @@ struct TopologyOptions {
   /// distance belongs to a band of closed streamlines.
   double bandTolerance = 3e-3;
   /// Integration steps, as a rule one for each face, after which a streamline is given up.
-  Index maximalSteps = 500000;
+  Index maxSteps = 500000;
 };
 
 /// The same for any number of threads. Reversing the field swaps kinds and directions and nothing else.

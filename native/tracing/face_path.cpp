@@ -14,7 +14,7 @@ int exitOf(const lanes::ParticlesOf<1>& particle) {
 bool stepThroughFace(const FaceFlow& face, const SidePoint& entry, const Eigen::Vector3d& inside,
                      const StepLimits& limits, FaceStep& step) {
   lanes::ParticlesOf<1> particle;
-  setParticle(particle, 0, face, entry, inside, limits.maximalDuration);
+  setParticle(particle, 0, face, entry, inside, limits.maxDuration);
   const lanes::KernelLimits bounds = kernelLimits(limits);
   if (isFlatEnough(face, limits)) {
     lanes::FaceStepKernel<4, 1, false>::step(particle, 0, bounds);

@@ -36,8 +36,8 @@ struct FaceStep {
 struct StepLimits {
   double tolerance = 0.0;          ///< largest estimated error, mesh units
   double relativeTolerance = 0.0;  ///< the same, as a fraction of the length of the path
-  double squaredMinimalSpeed = 0.0;
-  double maximalDuration = std::numeric_limits<double>::infinity();  ///< seconds; the step may end exactly there
+  double squaredMinSpeed = 0.0;
+  double maxDuration = std::numeric_limits<double>::infinity();  ///< seconds; the step may end exactly there
 };
 
 /// From a point of a side, which flows into the face, or from inside it (entry -1, barycentric coordinates). False, and
@@ -58,14 +58,14 @@ inline bool isFlatEnough(const FaceFlow& face, const StepLimits& limits) {
 }
 
 inline lanes::KernelLimits kernelLimits(const StepLimits& limits) {
-  return {limits.tolerance, limits.relativeTolerance, std::sqrt(limits.squaredMinimalSpeed)};
+  return {limits.tolerance, limits.relativeTolerance, std::sqrt(limits.squaredMinSpeed)};
 }
 
 template <int Count>
 void setParticle(lanes::ParticlesOf<Count>& particles, int i, const FaceFlow& face, const SidePoint& entry,
-                 const Eigen::Vector3d& inside, double maximalDuration) {
+                 const Eigen::Vector3d& inside, double maxDuration) {
   particles.face[i] = &face;
-  particles.longest[i] = maximalDuration;
+  particles.longest[i] = maxDuration;
   if (entry.side < 0) {
     particles.entry[i] = -1.0;
     particles.start[0][i] = inside[1];

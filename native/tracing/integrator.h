@@ -24,20 +24,20 @@ template <typename Flow>
 class Integrator {
  public:
   /// direction +1 or -1 only says how physical time runs; the flow's velocities already point the way to go.
-  Integrator(const FlatFaces& faces, const Flow& flow, const TraceOptions& options, double minimalSpeed)
+  Integrator(const FlatFaces& faces, const Flow& flow, const TraceOptions& options, double minSpeed)
       : faces_(faces),
         flow_(flow),
         options_(options),
         timeSign_(options.direction == Direction::Backward ? -1.0 : 1.0),
         tolerance_(options.tolerance * faces.mesh().meanEdgeLength()),
-        squaredMinimalSpeed_(minimalSpeed * minimalSpeed),
-        limits_{tolerance_, kRelativeStepError, squaredMinimalSpeed_, 0.0} {}
+        squaredMinSpeed_(minSpeed * minSpeed),
+        limits_{tolerance_, kRelativeStepError, squaredMinSpeed_, 0.0} {}
 
   /// visit(SurfacePoint, seconds since the seed) is called for the seed and after every step and crossing. It may
   /// return a bool: false ends the trace.
   template <typename Visit>
-  TraceEnd run(const SurfacePoint& seed, double startTime, double maximalTime, Visit&& visit) {
-    reset(startTime, maximalTime);
+  TraceEnd run(const SurfacePoint& seed, double startTime, double maxTime, Visit&& visit) {
+    reset(startTime, maxTime);
     const auto wanted = [&](const SurfacePoint& p) {
       if constexpr (std::is_same_v<std::invoke_result_t<Visit&, const SurfacePoint&, double>, bool>) {
         return visit(p, elapsed_) || stop(StopReason::Visitor);
@@ -60,26 +60,26 @@ class Integrator {
 
   // The same in parts, for steps that are computed outside. begin and take tell whether the trace goes on.
 
-  bool begin(const SurfacePoint& seed, double startTime, double maximalTime) {
-    reset(startTime, maximalTime);
+  bool begin(const SurfacePoint& seed, double startTime, double maxTime) {
+    reset(startTime, maxTime);
     return place(seed);
   }
   /// Whether a limit is reached: then the trace has ended, else a step has been counted.
   bool isOver() {
-    if (end_.steps++ >= options_.maximalSteps) return !stop(StopReason::StepLimit);
-    if (elapsed_ >= maximalTime_) return !stop(StopReason::Time);
-    if (length_ >= options_.maximalLength) return !stop(StopReason::Length);
+    if (end_.steps++ >= options_.maxSteps) return !stop(StopReason::StepLimit);
+    if (elapsed_ >= maxTime_) return !stop(StopReason::Time);
+    if (length_ >= options_.maxLength) return !stop(StopReason::Length);
     return false;
   }
   /// Sets the next step through the face at hand; false where it cannot be in closed form.
   bool ask(FaceSteps& steps, int i) {
     if (!mayStep()) return false;
-    steps.set(i, faceFlow(), entry_, inside(), maximalTime_ - elapsed_);
+    steps.set(i, faceFlow(), entry_, inside(), maxTime_ - elapsed_);
     return true;
   }
   const StepLimits& limits() const { return limits_; }
   /// Goes a step in closed form, if it is within the limits of the trace; else false and nothing done.
-  bool fits(const FaceStep& step) const { return length_ + step.length < options_.maximalLength; }
+  bool fits(const FaceStep& step) const { return length_ + step.length < options_.maxLength; }
   bool take(const FaceStep& step);
   bool takeSmallStep();
   SurfacePoint here() const {
@@ -136,11 +136,11 @@ class Integrator {
   bool mayStep() const { return slide_ == kNoSide && idleCrossings_ == 0 && options_.tolerance >= kFinest; }
 
   double time() const { return startTime_ + timeSign_ * elapsed_; }
-  double timeLeft() const { return std::min(maximalTime_ - elapsed_, flow_.remaining(cursor_, time())); }
+  double timeLeft() const { return std::min(maxTime_ - elapsed_, flow_.remaining(cursor_, time())); }
 
-  void reset(double startTime, double maximalTime) {
+  void reset(double startTime, double maxTime) {
     startTime_ = startTime;
-    maximalTime_ = maximalTime;
+    maxTime_ = maxTime;
     cursor_ = flow_.start(startTime);
     elapsed_ = length_ = 0.0;
     trialStep_ = std::numeric_limits<double>::infinity();
@@ -250,9 +250,9 @@ class Integrator {
   const FlatFaces& faces_;
   Flow flow_;
   TraceOptions options_;
-  double timeSign_, tolerance_, squaredMinimalSpeed_;
+  double timeSign_, tolerance_, squaredMinSpeed_;
   StepLimits limits_;
-  double startTime_ = 0.0, maximalTime_ = 0.0;
+  double startTime_ = 0.0, maxTime_ = 0.0;
 
   Index face_ = kNone;
   const FlatFace* flat_ = nullptr;
@@ -280,7 +280,7 @@ bool Integrator<Flow>::advance() {
   if constexpr (kInClosedForm) {
     if (mayStep()) {
       FaceStep step;
-      limits_.maximalDuration = maximalTime_ - elapsed_;
+      limits_.maxDuration = maxTime_ - elapsed_;
       if (stepThroughFace(faceFlow(), entry_, inside(), limits_, step) && fits(step)) return take(step);
     }
   }
@@ -289,7 +289,7 @@ bool Integrator<Flow>::advance() {
 
 template <typename Flow>
 bool Integrator<Flow>::take(const FaceStep& step) {
-  elapsed_ = step.duration < maximalTime_ - elapsed_ ? elapsed_ + step.duration : maximalTime_;
+  elapsed_ = step.duration < maxTime_ - elapsed_ ? elapsed_ + step.duration : maxTime_;
   length_ += step.length;
   idleCrossings_ = 0;
   if (step.exit.side == kNoSide) {
@@ -322,8 +322,8 @@ bool Integrator<Flow>::takeSmallStep() {
   load();
   if (slide_ != kNoSide && flowsInward(slide_, position_, elapsed_)) slide_ = kNoSide;
   const Complex k1 = followed(position_, elapsed_);
-  if (Flow::kSteady && std::norm(k1) <= squaredMinimalSpeed_) {
-    return stop(slide_ == kNoSide ? StopReason::MinimalSpeed : StopReason::Boundary);
+  if (Flow::kSteady && std::norm(k1) <= squaredMinSpeed_) {
+    return stop(slide_ == kNoSide ? StopReason::MinSpeed : StopReason::Boundary);
   }
 
   const Eigen::Vector3d b = flat_->barycentric(position_), rate = flat_->barycentricRate(k1);
@@ -342,7 +342,7 @@ bool Integrator<Flow>::takeSmallStep() {
       return cross(across, fractionAlong(across, position_));
     }
   }
-  if (h == std::numeric_limits<double>::infinity()) return stop(StopReason::MinimalSpeed);  // at rest for ever
+  if (h == std::numeric_limits<double>::infinity()) return stop(StopReason::MinSpeed);  // at rest for ever
   return integrate(h, b, k1, rate);
 }
 
@@ -367,7 +367,7 @@ bool Integrator<Flow>::integrate(double h, const Eigen::Vector3d& b, Complex k1,
       trialStep_ = growth < 1.0 ? h * growth : std::max(trialStep_, h * growth);
       break;
     }
-    if (end_.steps++ >= options_.maximalSteps) return stop(StopReason::StepLimit);
+    if (end_.steps++ >= options_.maxSteps) return stop(StopReason::StepLimit);
     trialStep_ = h *= std::isfinite(error) ? std::min(growth, 0.9) : 0.1;
   }
 
@@ -403,15 +403,15 @@ bool Integrator<Flow>::integrate(double h, const Eigen::Vector3d& b, Complex k1,
     across = kNoSide;
   }
   double length = step.arcLength(fraction);
-  if (length_ + length >= options_.maximalLength) {
-    fraction = step.fractionOfLength(options_.maximalLength - length_, fraction);
-    length = options_.maximalLength - length_;
+  if (length_ + length >= options_.maxLength) {
+    fraction = step.fractionOfLength(options_.maxLength - length_, fraction);
+    length = options_.maxLength - length_;
     across = kNoSide;
   }
   position_ = fraction < 1.0 ? step.point(fraction) : to;
   length_ += length;
   idleCrossings_ = 0;
-  if (fraction < 1.0 || h < maximalTime_ - elapsed_) {
+  if (fraction < 1.0 || h < maxTime_ - elapsed_) {
     const bool segmentEnds = fraction == 1.0 && h >= flow_.remaining(cursor_, time());
     elapsed_ += fraction * h;
     if (segmentEnds) {
@@ -419,7 +419,7 @@ bool Integrator<Flow>::integrate(double h, const Eigen::Vector3d& b, Complex k1,
       enter(face_);
     }
   } else {
-    elapsed_ = maximalTime_;
+    elapsed_ = maxTime_;
   }
   return across == kNoSide || cross(across, fractionAlong(across, position_));
 }

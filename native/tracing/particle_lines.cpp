@@ -43,7 +43,7 @@ void check(const std::vector<double>& times, double start, const LineOptions& op
   }
   if (!(options.spacing > 0.0)) throw InputError("the spacing of particles must be positive, in mesh units");
   if (!(options.interval > 0.0)) throw InputError("the interval between releases must be positive, in seconds");
-  if (options.maximalParticles < 2) throw InputError("a line needs at least 2 particles");
+  if (options.maxParticles < 2) throw InputError("a line needs at least 2 particles");
 }
 
 /// Follows lines from one time to the next, and fills their gaps.
@@ -83,8 +83,8 @@ class Follower {
       for (std::size_t i = 0; i < lines.size(); ++i) {
         joining[i] = between(lines[i], i);
         complete = complete && joining[i].empty();
-        if (lines[i].size() + joining[i].size() > static_cast<std::size_t>(options_.maximalParticles)) {
-          throw InputError(message("line ", i, " needs more than ", options_.maximalParticles, " particles at ", time,
+        if (lines[i].size() + joining[i].size() > static_cast<std::size_t>(options_.maxParticles)) {
+          throw InputError(message("line ", i, " needs more than ", options_.maxParticles, " particles at ", time,
                                    " s; choose a larger spacing or a shorter time"));
         }
       }

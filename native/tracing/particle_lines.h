@@ -22,7 +22,7 @@ struct LineOptions {
   double interval = std::numeric_limits<double>::infinity();
   double tolerance = TraceOptions{}.tolerance;  ///< as in TraceOptions
   BoundaryRule boundary = BoundaryRule::Stop;   ///< a particle that the boundary stops stays there
-  Index maximalParticles = 100000;              ///< of one line
+  Index maxParticles = 100000;                  ///< of one line
 };
 
 /// The lines at one time. Line i has the particles offsets[i] to offsets[i + 1].
@@ -39,7 +39,7 @@ struct ParticleLines {
 
 /// Streaklines of the seeds at each of the times (increasing, not before start), by release from start on: from the
 /// oldest particle to the one just released. Throws InputError for bad seeds, times or options, and for a line of more
-/// than maximalParticles; Cancelled. Parallel, the same for any number of threads.
+/// than maxParticles; Cancelled. Parallel, the same for any number of threads.
 std::vector<ParticleLines> traceStreaklines(const UnsteadyField& flow, const std::vector<SurfacePoint>& seeds,
                                             double start, const std::vector<double>& times, const LineOptions& options,
                                             Progress* progress = nullptr);

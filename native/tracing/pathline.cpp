@@ -22,7 +22,7 @@ void check(const UnsteadyField& flow, const std::vector<PathlineSeed>& seeds) {
   std::vector<SurfacePoint> points(seeds.size());
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     points[i] = seeds[i].point;
-    if (!std::isfinite(seeds[i].time) || !(seeds[i].maximalTime >= 0.0)) {
+    if (!std::isfinite(seeds[i].time) || !(seeds[i].maxTime >= 0.0)) {
       throw InputError(message("seed ", i, " needs a finite time and a duration of 0 s or more"));
     }
   }
@@ -31,7 +31,7 @@ void check(const UnsteadyField& flow, const std::vector<PathlineSeed>& seeds) {
 
 template <typename Visit>
 TraceEnd run(Unsteady& integrator, const PathlineSeed& seed, const TraceOptions& options, const Visit& visit) {
-  return integrator.run(seed.point, seed.time, std::min(seed.maximalTime, options.maximalTime), visit);
+  return integrator.run(seed.point, seed.time, std::min(seed.maxTime, options.maxTime), visit);
 }
 
 }  // namespace

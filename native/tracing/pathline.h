@@ -3,7 +3,7 @@
 //   const UnsteadyField flow(faces, field, {.times = {0, 10}, .lambdas = {0, 1}});
 //   const Traces lines = tracePathlines(flow, {{seed, 2.5, 1.0}}, {});     // from 2.5 s to 3.5 s
 //
-// Options apply as to streamlines, but minimalSpeed does not: a particle at rest may be set in motion later.
+// Options apply as to streamlines, but minSpeed does not: a particle at rest may be set in motion later.
 // A particle that the boundary stops stays there: its end has the time at which it got there.
 #pragma once
 
@@ -27,8 +27,8 @@ struct UnsteadyField {
 
 struct PathlineSeed {
   SurfacePoint point;
-  double time = 0.0;                                             ///< seconds at which the particle is there
-  double maximalTime = std::numeric_limits<double>::infinity();  ///< seconds to follow it; TraceOptions has another
+  double time = 0.0;                                         ///< seconds at which the particle is there
+  double maxTime = std::numeric_limits<double>::infinity();  ///< seconds to follow it; TraceOptions has another
 };
 
 Traces tracePathlines(const UnsteadyField& flow, const std::vector<PathlineSeed>& seeds, const TraceOptions& options,

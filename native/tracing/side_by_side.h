@@ -13,7 +13,7 @@
 namespace stormfield {
 
 /// Traces what the work hands out, until it has no more. The ends of traces may make more of it. Asked of the work are
-///   bool next(int lane, SurfacePoint& seed, double& maximalTime)   whether there is a trace for the lane
+///   bool next(int lane, SurfacePoint& seed, double& maxTime)   whether there is a trace for the lane
 ///   bool step(int lane, const Integrator<Flow>& integrator)        after every step: whether to go on
 ///   void end(int lane, const TraceEnd& end)
 /// Traces of one lane come one after the other.
@@ -44,10 +44,10 @@ void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
       }
       if (lane.busy) end(lane, i, wanted);
       SurfacePoint seed;
-      double maximalTime = 0.0;
-      if (!work.next(i, seed, maximalTime)) return false;
+      double maxTime = 0.0;
+      if (!work.next(i, seed, maxTime)) return false;
       lane.busy = wanted = true;
-      going = lane.integrator.begin(seed, 0.0, maximalTime);
+      going = lane.integrator.begin(seed, 0.0, maxTime);
     }
   };
   const auto finish = [&](Lane& lane, int i) {
@@ -78,11 +78,11 @@ void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
 /// Traces the seeds first <= i < last. Tells the visitor begin(lane, i), step(lane, integrator) after every step, and
 /// end(lane, i, TraceEnd).
 template <typename Flow, typename Visitor>
-void traceSideBySide(const Integrator<Flow>& prototype, const std::vector<SurfacePoint>& seeds, double maximalTime,
+void traceSideBySide(const Integrator<Flow>& prototype, const std::vector<SurfacePoint>& seeds, double maxTime,
                      std::size_t first, std::size_t last, Visitor& visitor) {
   struct Seeds {
     const std::vector<SurfacePoint>& seeds;
-    double maximalTime;
+    double maxTime;
     std::size_t at, last;
     Visitor& visitor;
     std::array<std::size_t, FaceSteps::kCount> traces{};
@@ -92,7 +92,7 @@ void traceSideBySide(const Integrator<Flow>& prototype, const std::vector<Surfac
       traces[lane] = at++;
       visitor.begin(lane, traces[lane]);
       seed = seeds[traces[lane]];
-      time = maximalTime;
+      time = maxTime;
       return true;
     }
     bool step(int lane, const Integrator<Flow>& integrator) {
@@ -101,7 +101,7 @@ void traceSideBySide(const Integrator<Flow>& prototype, const std::vector<Surfac
     }
     void end(int lane, const TraceEnd& traceEnd) { visitor.end(lane, traces[lane], traceEnd); }
   };
-  Seeds work{seeds, maximalTime, first, last, visitor};
+  Seeds work{seeds, maxTime, first, last, visitor};
   traceSideBySide(prototype, work);
 }
 

@@ -50,7 +50,7 @@ class Streamlines {
     std::stable_sort(order_.begin(), order_.end(),
                      [&](std::size_t a, std::size_t b) { return seeds[a].face < seeds[b].face; });
     const SteadyFlow flow(field.values.data(), rate, prepared_.get());
-    prototype_.emplace(faces, flow, options, options.minimalSpeed * fastest(field));
+    prototype_.emplace(faces, flow, options, options.minSpeed * fastest(field));
   }
 
   /// As many keepers as may work at a time.
@@ -73,7 +73,7 @@ class Streamlines {
 
   /// One trace has nothing to go side by side with.
   TraceEnd traceAlone(std::size_t i) {
-    return prototype_->run(seeds_[i], 0.0, options_.maximalTime, [](const SurfacePoint&, double) {});
+    return prototype_->run(seeds_[i], 0.0, options_.maxTime, [](const SurfacePoint&, double) {});
   }
 
  private:
@@ -86,14 +86,14 @@ class Streamlines {
     Progress* progress;
     std::array<std::size_t, FaceSteps::kCount> traces{};
 
-    bool next(int lane, SurfacePoint& seed, double& maximalTime) {
+    bool next(int lane, SurfacePoint& seed, double& maxTime) {
       if (progress != nullptr) progress->check();
       if (begun.load(std::memory_order_relaxed) >= lines.seeds_.size()) return false;
       const std::size_t place = begun++;
       if (place >= lines.seeds_.size()) return false;
       const std::size_t trace = traces[lane] = lines.order_[place];
       seed = lines.seeds_[trace];
-      maximalTime = lines.options_.maximalTime;
+      maxTime = lines.options_.maxTime;
       keeper.begin(lane, seed);
       return true;
     }

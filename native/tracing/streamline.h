@@ -1,7 +1,7 @@
 // Streamlines: traces of a steady field (thesis 10.1.2, definition 10.1.3).
 //
 //   const FlatFaces faces(field.charts);                               // once per mesh, shared by all traces
-//   const Traces lines = traceStreamlines(faces, field, seeds, {.maximalLength = 2.0});
+//   const Traces lines = traceStreamlines(faces, field, seeds, {.maxLength = 2.0});
 #pragma once
 
 #include "base/progress.h"

@@ -11,12 +11,12 @@ void checkOptions(const TraceOptions& options) {
   const auto require = [](bool ok, const char* text) {
     if (!ok) throw InputError(text);
   };
-  require(options.maximalTime >= 0.0, "the maximal time of a trace must be 0 s or more");
-  require(options.maximalLength >= 0.0, "the maximal length of a trace must be 0 or more");
+  require(options.maxTime >= 0.0, "the time limit of a trace must be 0 s or more");
+  require(options.maxLength >= 0.0, "the length limit of a trace must be 0 or more");
   require(options.tolerance > 0.0 && std::isfinite(options.tolerance),
           "the tolerance of a trace must be a positive fraction of the mean edge length, for example 1e-6");
-  require(options.minimalSpeed >= 0.0, "the minimal speed of a trace must be 0 or more");
-  require(options.maximalSteps > 0, "a trace needs at least one step");
+  require(options.minSpeed >= 0.0, "the least speed of a trace must be 0 or more");
+  require(options.maxSteps > 0, "a trace needs at least one step");
 }
 
 void checkSeeds(const TriangleMesh& mesh, const std::vector<SurfacePoint>& seeds) {

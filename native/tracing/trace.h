@@ -18,25 +18,25 @@ enum class BoundaryRule {
 };
 
 enum class StopReason {
-  Time,          ///< maximalTime was reached
-  Length,        ///< maximalLength was reached
-  MinimalSpeed,  ///< steady flow slower than minimalSpeed: a fixed point is near
-  Boundary,      ///< the flow leaves the surface here
-  StepLimit,     ///< maximalSteps were used
-  Visitor,       ///< the caller's visitor had seen enough
+  Time,       ///< maxTime was reached
+  Length,     ///< maxLength was reached
+  MinSpeed,   ///< steady flow slower than minSpeed: a fixed point is near
+  Boundary,   ///< the flow leaves the surface here
+  StepLimit,  ///< maxSteps were used
+  Visitor,    ///< the caller's visitor had seen enough
 };
 
 struct TraceOptions {
   Direction direction = Direction::Forward;
-  double maximalTime = std::numeric_limits<double>::infinity();    ///< seconds
-  double maximalLength = std::numeric_limits<double>::infinity();  ///< mesh units
+  double maxTime = std::numeric_limits<double>::infinity();    ///< seconds
+  double maxLength = std::numeric_limits<double>::infinity();  ///< mesh units
   /// Largest estimated error of one step, in mean edge lengths.
   double tolerance = 1e-6;
   /// Steady flow only: as a fraction of the field's fastest vertex.
-  double minimalSpeed = 1e-6;
+  double minSpeed = 1e-6;
   BoundaryRule boundary = BoundaryRule::Stop;
   /// Bounds work and memory of a trace that never ends otherwise.
-  Index maximalSteps = 100000;
+  Index maxSteps = 100000;
 };
 
 struct TraceEnd {

@@ -60,13 +60,13 @@ def bench_streamlines_beside_vtk(cuts):
     random = np.random.default_rng(1)
     faces = random.integers(0, surface.face_count, 12 * SEEDS).astype(np.int32)
     barycentric = random.dirichlet([1.0, 1.0, 1.0], 12 * SEEDS)
-    tried = native.trace_streamlines(field, faces, barycentric, maximal_length=LENGTH * edge)
+    tried = native.trace_streamlines(field, faces, barycentric, max_length=LENGTH * edge)
     long_enough = np.flatnonzero(np.array(tried.reasons) == "length")[:SEEDS]
     faces, barycentric = faces[long_enough], barycentric[long_enough]
 
     def ours(tolerance):
         return native.trace_streamlines(
-            field, faces, barycentric, maximal_length=LENGTH * edge, tolerance=tolerance, minimal_speed=1e-9
+            field, faces, barycentric, max_length=LENGTH * edge, tolerance=tolerance, min_speed=1e-9
         )
 
     exact = ours(1e-12)

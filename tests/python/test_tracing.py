@@ -30,7 +30,7 @@ def split(traces):
 
 def test_circles_of_a_rotating_sphere_close(sphere, rotation):
     faces, barycentric = seeds(sphere, 40)
-    traces = native.trace_streamlines(rotation, faces, barycentric, maximal_time=2 * np.pi)
+    traces = native.trace_streamlines(rotation, faces, barycentric, max_time=2 * np.pi)
     assert len(traces) == 40 and traces.reasons == ["time"] * 40
     start = sphere.positions(faces, barycentric)
     for i, part in enumerate(split(traces)):
@@ -43,7 +43,7 @@ def test_circles_of_a_rotating_sphere_close(sphere, rotation):
 
 
 def test_points_lie_in_their_faces(sphere, rotation):
-    traces = native.trace_streamlines(rotation, *seeds(sphere, 10), maximal_length=1.0)
+    traces = native.trace_streamlines(rotation, *seeds(sphere, 10), max_length=1.0)
     np.testing.assert_allclose(sphere.positions(traces.faces, traces.barycentric), traces.points, atol=1e-12)
     assert traces.reasons == ["length"] * 10
     np.testing.assert_allclose(traces.lengths, 1.0)
@@ -51,10 +51,10 @@ def test_points_lie_in_their_faces(sphere, rotation):
 
 def test_backward_returns(sphere, rotation):
     faces, barycentric = seeds(sphere, 10)
-    there = native.trace_streamlines(rotation, faces, barycentric, maximal_time=1.0, tolerance=1e-8)
+    there = native.trace_streamlines(rotation, faces, barycentric, max_time=1.0, tolerance=1e-8)
     ends = there.offsets[1:] - 1
     back = native.trace_streamlines(
-        rotation, there.faces[ends], there.barycentric[ends], maximal_time=1.0, tolerance=1e-8, direction="backward"
+        rotation, there.faces[ends], there.barycentric[ends], max_time=1.0, tolerance=1e-8, direction="backward"
     )
     np.testing.assert_allclose(back.points[back.offsets[1:] - 1], there.points[there.offsets[:-1]], atol=1e-6)
 
@@ -80,7 +80,7 @@ def test_pathline_of_a_steady_field_is_its_streamline(sphere, rotation):
     )
     for i in range(20):
         line = native.trace_streamlines(
-            rotation, faces[i : i + 1], barycentric[i : i + 1], maximal_time=0.5 * durations[i]
+            rotation, faces[i : i + 1], barycentric[i : i + 1], max_time=0.5 * durations[i]
         )
         np.testing.assert_allclose(paths.points[paths.offsets[i + 1] - 1], line.points[-1], atol=1e-5)
 
@@ -104,7 +104,7 @@ def test_cancel(sphere, rotation):
     progress = native.Progress()
     progress.cancel()
     with pytest.raises(native.Cancelled):
-        native.trace_streamlines(rotation, *seeds(sphere, 3), maximal_time=1.0, progress=progress)
+        native.trace_streamlines(rotation, *seeds(sphere, 3), max_time=1.0, progress=progress)
 
 
 def test_streaklines_and_timelines(sphere, rotation):
@@ -122,15 +122,15 @@ def test_streaklines_and_timelines(sphere, rotation):
         assert (np.linalg.norm(np.diff(lines[1].points[part], axis=0), axis=1) <= 0.1 + 1e-9).all()
     curve = (np.zeros(2, np.int32), np.array([[0.8, 0.1, 0.1], [0.1, 0.8, 0.1]]))
     fronts = native.start_timelines(field, *track, [curve], 0.0, at).result()
-    traces = native.trace_streamlines(rotation, *curve, maximal_time=1.0)
+    traces = native.trace_streamlines(rotation, *curve, max_time=1.0)
     np.testing.assert_allclose(fronts[1].points, traces.points[traces.offsets[1:] - 1], atol=1e-5)
     assert not fronts[1].torn.any()
 
 
 def test_jobs_give_what_waiting_gives(sphere, rotation):
-    job = native.start_streamlines(rotation, *seeds(sphere, 5), maximal_time=1.0)
+    job = native.start_streamlines(rotation, *seeds(sphere, 5), max_time=1.0)
     np.testing.assert_array_equal(
-        job.result().points, native.trace_streamlines(rotation, *seeds(sphere, 5), maximal_time=1.0).points
+        job.result().points, native.trace_streamlines(rotation, *seeds(sphere, 5), max_time=1.0).points
     )
 
 
@@ -141,7 +141,7 @@ def test_lines_refuse_bad_input(sphere):
         native.start_streaklines(field, *track, *seeds(sphere, 1), 0.0, np.array([1.0, 0.5])).result()
     with pytest.raises(native.InputError, match="larger spacing"):
         native.start_streaklines(
-            field, *track, *seeds(sphere, 1), 0.0, np.array([1.0]), spacing=1e-4, maximal_particles=10
+            field, *track, *seeds(sphere, 1), 0.0, np.array([1.0]), spacing=1e-4, max_particles=10
         ).result()
 
 

@@ -16,13 +16,12 @@ struct Coverage::Corners {
   std::array<Eigen::Vector3d, 3> b;
 };
 
-Coverage::Coverage(const FlatFaces& faces, const VectorField& field, double reach, double resolution,
-                   double minimalSpeed)
+Coverage::Coverage(const FlatFaces& faces, const VectorField& field, double reach, double resolution, double minSpeed)
     : faces_(faces),
       field_(field),
       reach_(reach),
       resolution_(resolution),
-      minimalSpeed_(minimalSpeed),
+      minSpeed_(minSpeed),
       patch_(faces.mesh()),
       distance_(static_cast<std::size_t>(faces.mesh().vertexCount()), std::numeric_limits<double>::infinity()),
       open_(static_cast<std::size_t>(faces.mesh().faceCount())) {
@@ -95,7 +94,7 @@ void Coverage::search(const NearLines& lines, Index face, const Corners& corners
     }
     return;
   }
-  if (distance <= reach_ || std::abs(velocityAt(faces_, field_, middle)) <= minimalSpeed_) return;
+  if (distance <= reach_ || std::abs(velocityAt(faces_, field_, middle)) <= minSpeed_) return;
   gaps.push_back({middle, distance});
 }
 

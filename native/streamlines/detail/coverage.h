@@ -22,8 +22,8 @@ class Coverage {
  public:
   /// reach: mesh units; gaps are points farther than this from every line. Pieces of the surface are told apart down to
   /// resolution, mesh units, so that no point is farther than reach + resolution where no gap is found. Where the field
-  /// is slower than minimalSpeed there are no gaps.
-  Coverage(const FlatFaces& faces, const VectorField& field, double reach, double resolution, double minimalSpeed);
+  /// is slower than minSpeed there are no gaps.
+  Coverage(const FlatFaces& faces, const VectorField& field, double reach, double resolution, double minSpeed);
 
   /// A sample of a line that stays.
   void add(const LineSample& sample);
@@ -42,7 +42,7 @@ class Coverage {
 
   const FlatFaces& faces_;
   const VectorField& field_;
-  double reach_, resolution_, minimalSpeed_;
+  double reach_, resolution_, minSpeed_;
   SurfacePatch patch_;
   std::vector<double> distance_;  ///< per vertex, to the nearest line that is near
   std::size_t reached_ = 0;

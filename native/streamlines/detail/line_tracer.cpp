@@ -62,7 +62,7 @@ Line LineTracer::trace(const SurfacePoint& seed, Index number, Reach reach, cons
   seed_ = {seed, position(faces_.mesh(), seed)};
   const Complex velocity = velocityAt(faces_, field_, seed);
   Line line;
-  if (std::abs(velocity) <= rules_.minimalSpeed * fastest_) return line;
+  if (std::abs(velocity) <= rules_.minSpeed * fastest_) return line;
   seedDirection_ = faces_.charts().faceToSpace(seed.face, velocity / std::abs(velocity));
   lines_.add(sample(seed_, number, 0.0));
 
@@ -133,13 +133,13 @@ void LineTracer::extend(Side& side, const Progress* progress) {
 bool LineTracer::step(Side& side, double length) {
   TraceOptions options;
   options.direction = side.direction;
-  options.maximalLength = length;
+  options.maxLength = length;
   options.tolerance = 1e-5;
   Integrator<SteadyFlow> integrator(faces_, SteadyFlow(field_.values.data(), side.sign()), options,
-                                    rules_.minimalSpeed * fastest_);
+                                    rules_.minSpeed * fastest_);
   const SurfacePoint from = side.points.back().point;
   SurfacePoint last = from;
-  const TraceEnd end = integrator.run(from, 0.0, options.maximalTime, [&](const SurfacePoint& p, double) {
+  const TraceEnd end = integrator.run(from, 0.0, options.maxTime, [&](const SurfacePoint& p, double) {
     if (p.face != last.face) {
       const TriangleMesh& mesh = faces_.mesh();
       if (mesh.faceNormal(p.face).dot(mesh.faceNormal(last.face)) < kBend) append(side, p);

@@ -48,7 +48,7 @@ class FlowWalk {
     TraceOptions result;
     result.direction = direction;
     result.tolerance = tolerance;
-    result.maximalSteps = std::numeric_limits<Index>::max();
+    result.maxSteps = std::numeric_limits<Index>::max();
     return result;
   }
   /// Slower than this is at rest: a billionth of the fastest vertex.

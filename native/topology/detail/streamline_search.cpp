@@ -135,7 +135,7 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
       part_ = partOf[p.face];
       visits_.clear();
     }
-    if (++steps_ >= options.maximalSteps) {
+    if (++steps_ >= options.maxSteps) {
       arrive({});
       return false;
     }
@@ -155,7 +155,7 @@ void Journey::travel(FlowWalk walk, const Destinations& destinations, const std:
   time_ += trace.time;
   length += trace.length;
   if (trace.reason == StopReason::Boundary) arrive({{EntityKind::Boundary, kNone}, 0});
-  if (trace.reason == StopReason::MinimalSpeed) arrive({destinations.restingAt(mesh, at), 0});
+  if (trace.reason == StopReason::MinSpeed) arrive({destinations.restingAt(mesh, at), 0});
   if (trace.reason == StopReason::StepLimit) arrive({});
 }
 

@@ -27,7 +27,7 @@ struct alignas(Count < 2 ? 8 : 64) ParticlesOf {
 
 /// As StepLimits, in mesh units.
 struct KernelLimits {
-  double tolerance, relativeTolerance, minimalSpeed;
+  double tolerance, relativeTolerance, minSpeed;
 };
 
 /// Steps as many particles as there are lanes, from a first one. Unless Curved, what curvature adds to the affine part
@@ -97,7 +97,7 @@ class FaceStepKernel {
     longest_ = longestSeconds_ / unit_;
     tolerance_ = toFloats(limits.tolerance / base_);
     relativeTolerance_ = L::all(static_cast<float>(limits.relativeTolerance));
-    minimalSpeed_ = toFloats(limits.minimalSpeed * unit_ / base_);
+    minSpeed_ = toFloats(limits.minSpeed * unit_ / base_);
   }
 
   void run(Particles& particles, int first);
@@ -142,7 +142,7 @@ class FaceStepKernel {
   Pair start_;
   decltype(D() == D()) entered_[3];
   D longest_, longestSeconds_;
-  F tolerance_, relativeTolerance_, minimalSpeed_;
+  F tolerance_, relativeTolerance_, minSpeed_;
   // The path of the affine part and a constant.
   FloatPair constant_ = {F(), F()};
   Pair series_[kOrder + 1];
@@ -371,7 +371,7 @@ void FaceStepKernel<Bytes, Count, Curved>::run(Particles& particles, int firstPa
     excessQuadratic = excessQuadratic + kQuadratic[i] * more;
     excessCubic = excessCubic + kCubic[i] * more;
   }
-  plain = plain & (toDoubles(backwards) > 0.0) & (toDoubles(slowest - minimalSpeed_) > 0.0);
+  plain = plain & (toDoubles(backwards) > 0.0) & (toDoubles(slowest - minSpeed_) > 0.0);
   const FloatPair lastRate = toFloatPair(v);
   const F lastX = lastRate.x + lastRate.y * floatFoot_, lastY = lastRate.y * floatHeight_;
   const F lastForward = lastX * ux + lastY * uy, lastAside = lastY * ux - lastX * uy;

@@ -3,7 +3,7 @@
 // stepThroughFace.
 //
 //   FaceSteps steps(limits);
-//   for (particles i) steps.set(i, face, entry, inside, maximalDuration);
+//   for (particles i) steps.set(i, face, entry, inside, maxDuration);
 //   while (some are set) for (const int i : steps.advance())
 //     if (steps.take(i, step) != FaceSteps::Outcome::Again) ...            // go on from there, and set the next step
 //
@@ -25,8 +25,8 @@ class FaceSteps {
   explicit FaceSteps(const StepLimits& limits) : limits_(limits), kernelLimits_(kernelLimits(limits)) {}
 
   /// Particle i's next step, which then waits for its turn. The face must outlive it.
-  void set(int i, const FaceFlow& face, const SidePoint& entry, const Eigen::Vector3d& inside, double maximalDuration) {
-    setParticle(particles_, i, face, entry, inside, maximalDuration);
+  void set(int i, const FaceFlow& face, const SidePoint& entry, const Eigen::Vector3d& inside, double maxDuration) {
+    setParticle(particles_, i, face, entry, inside, maxDuration);
     tries_[i] = 0;
     fresh_[freshCount_++] = i;
   }

@@ -26,7 +26,7 @@ bool Integrator<Flow>::leaveVertex(int corner) {
   if (timeLeft() <= 0.0) return true;
   const Complex velocity = flow_.vertexVelocity(v, cursor_, time());
   const double speed = std::abs(velocity);
-  if (Flow::kSteady && speed * speed <= squaredMinimalSpeed_) return stop(StopReason::MinimalSpeed);
+  if (Flow::kSteady && speed * speed <= squaredMinSpeed_) return stop(StopReason::MinSpeed);
 
   double angle = std::arg(velocity);
   if (angle < 0.0) angle += 2.0 * std::numbers::pi;
@@ -93,12 +93,12 @@ bool Integrator<Flow>::leaveAlongBoundary(Index v, Complex velocity, Index lastH
 template <typename Flow>
 bool Integrator<Flow>::waitAtVertex(int corner) {
   if (Flow::kSteady) return stop(StopReason::Boundary);
-  while (end_.steps++ < options_.maximalSteps) {
-    const double left = timeLeft(), total = maximalTime_ - elapsed_;
+  while (end_.steps++ < options_.maxSteps) {
+    const double left = timeLeft(), total = maxTime_ - elapsed_;
     if (total <= 0.0) return stop(StopReason::Time);
     const double pause = std::min(left, flow_.segmentDuration(cursor_) / 16.0);
     if (left <= pause) {
-      elapsed_ = left >= total ? maximalTime_ : elapsed_ + left;
+      elapsed_ = left >= total ? maxTime_ : elapsed_ + left;
       flow_.advance(cursor_);
       if (left >= total) return stop(StopReason::Time);
     } else {

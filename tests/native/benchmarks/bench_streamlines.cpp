@@ -71,8 +71,7 @@ void TheSameLinesTraced(benchmark::State& state) {
   for (auto _ : state) {
     for (std::size_t i = 0; i + 1 < lines.offsets.size(); ++i) {
       const double length = lines.arc[lines.offsets[i + 1] - 1];
-      benchmark::DoNotOptimize(
-          traceStreamline(faces, field, lines.points[lines.offsets[i]], {.maximalLength = length}));
+      benchmark::DoNotOptimize(traceStreamline(faces, field, lines.points[lines.offsets[i]], {.maxLength = length}));
     }
   }
 }

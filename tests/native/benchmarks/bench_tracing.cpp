@@ -34,8 +34,8 @@ void follow(benchmark::State& state, const VectorField& field, std::int64_t kept
   const TriangleMesh& mesh = field.mesh();
   const FlatFaces faces(field.charts);
   TraceOptions options;
-  options.maximalLength = 100.0 * mesh.meanEdgeLength();
-  options.minimalSpeed = 1e-9;
+  options.maxLength = 100.0 * mesh.meanEdgeLength();
+  options.minSpeed = 1e-9;
   const auto seeds = seedsOfWholeLines(faces, field, options);
   options.tolerance = std::pow(10.0, -static_cast<double>(digits));
 

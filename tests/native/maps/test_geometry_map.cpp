@@ -57,7 +57,7 @@ TEST(GeometryMap, EnclosesStreamlines) {
     Random random(3);
     std::vector<SurfacePoint> seeds(100);
     for (SurfacePoint& seed : seeds) seed = {random.below(field.mesh().faceCount()), random.barycentric(0.01)};
-    const Traces traces = traceStreamlines(faces, field, seeds, {.maximalLength = 3.0});
+    const Traces traces = traceStreamlines(faces, field, seeds, {.maxLength = 3.0});
     for (std::size_t t = 0; t < seeds.size(); ++t) {
       for (std::size_t i = traces.offsets[t] + 1; i < traces.offsets[t + 1]; ++i) {
         const Index a = traces.points[i - 1].face, b = traces.points[i].face;

@@ -175,7 +175,7 @@ TEST_P(RefinementOnSurfaces, IsWhatARecomputationAtItsTausGives) {
       EXPECT_EQ(whole.refine(), RefinementStop::Done);
       expectRecomputation(*field, options, whole);
 
-      options.maximalSteps = 3;
+      options.maxSteps = 3;
       MorseRefinement limited(faces, field, options);
       limited.refine();
       expectRecomputation(*field, options, limited);
@@ -254,7 +254,7 @@ TEST(Refinement, IndicesAgreeWithThePoincareSumsUpToVeryLargeTau) {
 
 TEST(Refinement, KeepsLimits) {
   const auto field = twoSinks(14);
-  MorseRefinement none(flatFaces(*field), field, {.maximalSteps = 0});
+  MorseRefinement none(flatFaces(*field), field, {.maxSteps = 0});
   EXPECT_EQ(none.refine(), RefinementStop::Steps);
   EXPECT_EQ(none.steps(), 0);
   MorseRefinement instant(flatFaces(*field), field, {.maximalSeconds = 0.0});

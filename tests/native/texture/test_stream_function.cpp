@@ -49,7 +49,7 @@ TEST(StreamFunction, StreamlinesFollowItsLevels) {
   const auto psi = StreamFunctionSolver(charts).solve(field.values.data());
   const FlatFaces faces(charts);
   for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 100, 3)) {
-    const TraceEnd end = traceStreamline(faces, field, seed, {.maximalLength = 1.0});
+    const TraceEnd end = traceStreamline(faces, field, seed, {.maxLength = 1.0});
     EXPECT_NEAR(atPoint(charts->mesh(), psi, end.point), atPoint(charts->mesh(), psi, seed), 0.003);
     const Vec3 a = position(charts->mesh(), seed).normalized(), b = position(charts->mesh(), end.point).normalized();
     EXPECT_NEAR(known(a), known(b), 0.005);

@@ -108,7 +108,7 @@ TEST(Topology, HoldsWhereEveryStreamlineGoes) {
         Random random(seed);
         std::vector<SurfacePoint> seeds(shortOrLong(50, 150));
         for (SurfacePoint& p : seeds) p = {random.below(forward.mesh().faceCount()), random.barycentric(0.05)};
-        const auto ends = traceStreamlineEnds(faces, forward, seeds, {.maximalLength = 300.0, .minimalSpeed = 1e-5});
+        const auto ends = traceStreamlineEnds(faces, forward, seeds, {.maxLength = 300.0, .minSpeed = 1e-5});
         for (const TraceEnd& end : ends) {
           const double distance = distanceToAttractors(forward, topology, position(forward.mesh(), end.point));
           EXPECT_LE(distance, forward.mesh().meanEdgeLength()) << "seed " << seed;

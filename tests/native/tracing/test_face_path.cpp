@@ -43,7 +43,7 @@ Comparison compare(const surfaces::ChartsPointer& charts, const VectorField& fie
       end.barycentric[step.exit.side] = 1.0 - step.exit.fraction;
       end.barycentric[(step.exit.side + 1) % 3] = step.exit.fraction;
     }
-    const TraceEnd exact = traceStreamline(faces, field, seed, {.maximalTime = step.duration, .tolerance = reference});
+    const TraceEnd exact = traceStreamline(faces, field, seed, {.maxTime = step.duration, .tolerance = reference});
     const double error =
         std::max((position(mesh, end) - position(mesh, exact.point)).norm(), std::abs(step.length - exact.length)) /
         (tolerance * edge);

@@ -56,7 +56,7 @@ TEST(FaceSteps, ManyParticlesGoWhereEachGoesAlone) {
   const auto set = [&](int i) {
     if (next == seeds.size()) return;
     const SurfacePoint& seed = seeds[particle[i] = next++];
-    steps.set(i, flows[seed.face], {}, seed.barycentric, limits.maximalDuration);
+    steps.set(i, flows[seed.face], {}, seed.barycentric, limits.maxDuration);
   };
   for (int i = 0; i < FaceSteps::kCount; ++i) set(i);
   while (true) {

@@ -56,15 +56,14 @@ TEST(ParticleLines, AFieldConstantInLambdaMakesTheFourCurvesAgree) {
     EXPECT_EQ(streaks[1].offsets[i + 1] - streaks[1].offsets[i], 11U);
     for (std::size_t k = streaks[1].offsets[i]; k < streaks[1].offsets[i + 1]; ++k) {
       const double age = streaks[1].ages[k];
-      const TraceEnd streamline =
-          traceStreamline(scene.faces, steady, seeds[i], {.maximalTime = age, .tolerance = 1e-9});
+      const TraceEnd streamline = traceStreamline(scene.faces, steady, seeds[i], {.maxTime = age, .tolerance = 1e-9});
       EXPECT_LT((at(scene.faces, streaks[1].points[k]) - at(scene.faces, streamline.point)).norm(), 1e-5 * edge);
     }
   }
   // The timeline is the front of the streamlines from all points of the curve.
   const auto fronts = traceTimelines(flow, {seeds}, 0.0, {0.25, 0.5}, {.tolerance = 1e-9});
   for (std::size_t i = 0; i < seeds.size(); ++i) {
-    const TraceEnd streamline = traceStreamline(scene.faces, steady, seeds[i], {.maximalTime = 0.5, .tolerance = 1e-9});
+    const TraceEnd streamline = traceStreamline(scene.faces, steady, seeds[i], {.maxTime = 0.5, .tolerance = 1e-9});
     EXPECT_LT((at(scene.faces, fronts[1].points[i]) - at(scene.faces, streamline.point)).norm(), 1e-5 * edge);
   }
 }
@@ -170,7 +169,7 @@ TEST(ParticleLines, RefuseBadInput) {
   EXPECT_THROW(traceStreaklines(flow, seeds, 0.5, {0.2}, {}), InputError);
   EXPECT_THROW(traceStreaklines(flow, seeds, 0.0, {0.4, 0.2}, {}), InputError);
   EXPECT_THROW(traceStreaklines(flow, seeds, 0.0, {1.0}, {.spacing = 0.0}), InputError);
-  EXPECT_THROW(traceStreaklines(flow, seeds, 0.0, {1.0}, {.spacing = 1e-4, .maximalParticles = 100}), InputError);
+  EXPECT_THROW(traceStreaklines(flow, seeds, 0.0, {1.0}, {.spacing = 1e-4, .maxParticles = 100}), InputError);
   EXPECT_THROW(traceTimelines(flow, {{{-1, {1, 0, 0}}}}, 0.0, {1.0}, {}), InputError);
   Progress progress;
   progress.cancel();

@@ -59,7 +59,7 @@ TEST(Pathline, ConstantFieldAgreesWithStreamlines) {
   const ParameterizedField field = blend({steady, steady, steady});
   const UnsteadyField flow(faces, field, {.times = {0.0, 0.3, 2.0}, .lambdas = {0.0, 1.0, 0.2}});
   for (const Direction direction : {Direction::Forward, Direction::Backward}) {
-    const TraceOptions options{.direction = direction, .maximalTime = 0.8, .tolerance = 1e-8};
+    const TraceOptions options{.direction = direction, .maxTime = 0.8, .tolerance = 1e-8};
     const auto seeds = surfaces::randomSeeds(charts->mesh(), 200, 5);
     std::vector<PathlineSeed> starts;
     for (const SurfacePoint& p : seeds) starts.push_back({p, 0.9});

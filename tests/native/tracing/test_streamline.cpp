@@ -30,7 +30,7 @@ TEST(Streamline, ConstantPlanarFieldIsExact) {
   const Vec3 velocity(0.3, 0.2, 0.0);
   const VectorField field = surfaces::sampled(charts, [&](const Vec3&) { return velocity; });
   for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 200, 1)) {
-    const TraceEnd end = traceStreamline(faces, field, seed, {.maximalTime = 0.8});
+    const TraceEnd end = traceStreamline(faces, field, seed, {.maxTime = 0.8});
     const bool left = end.reason == StopReason::Boundary;
     EXPECT_TRUE(left || end.time == 0.8);
     EXPECT_NEAR((at(faces, end.point) - at(faces, seed) - end.time * velocity).norm(), 0.0, 1e-12);
@@ -65,7 +65,7 @@ TEST(Streamline, RotationOfASphereClosesWithTheRightPeriod) {
   const VectorField field = rotation(charts);
   for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 50, 2)) {
     const double radius = at(faces, seed).head<2>().norm();
-    const TraceEnd end = traceStreamline(faces, field, seed, {.maximalTime = 2.0 * std::numbers::pi});
+    const TraceEnd end = traceStreamline(faces, field, seed, {.maxTime = 2.0 * std::numbers::pi});
     EXPECT_EQ(end.reason, StopReason::Time);
     // The mesh is no exact sphere: what remains falls with the square of the edge length (0.06 here).
     EXPECT_LT((at(faces, end.point) - at(faces, seed)).norm(), 0.004);
@@ -81,7 +81,7 @@ TEST(Streamline, ClosedCirclesCloseBetterOnFinerMeshes) {
     const VectorField field = rotation(charts);
     double worst = 0.0;
     for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 30, 4)) {
-      const TraceEnd end = traceStreamline(faces, field, seed, {.maximalTime = 2.0 * std::numbers::pi});
+      const TraceEnd end = traceStreamline(faces, field, seed, {.maxTime = 2.0 * std::numbers::pi});
       worst = std::max(worst, (at(faces, end.point) - at(faces, seed)).norm());
     }
     EXPECT_LT(worst, 0.4 * previous);
@@ -94,10 +94,10 @@ TEST(Streamline, ForwardThenBackwardReturns) {
     const FlatFaces faces(charts);
     const VectorField field = surfaces::swirlField(charts);
     for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 100, 3)) {
-      const TraceEnd there = traceStreamline(faces, field, seed, {.maximalTime = 0.5, .tolerance = 1e-8});
+      const TraceEnd there = traceStreamline(faces, field, seed, {.maxTime = 0.5, .tolerance = 1e-8});
       if (there.reason != StopReason::Time) continue;
       const TraceEnd back = traceStreamline(faces, field, there.point,
-                                            {.direction = Direction::Backward, .maximalTime = 0.5, .tolerance = 1e-8});
+                                            {.direction = Direction::Backward, .maxTime = 0.5, .tolerance = 1e-8});
       EXPECT_LT(distanceInEdges(faces, back.point, seed), 1e-4);
       EXPECT_NEAR(back.length, there.length, 1e-5);
     }
@@ -109,10 +109,10 @@ TEST(Streamline, ErrorFollowsTheTolerance) {
   const FlatFaces faces(charts);
   const VectorField field = surfaces::swirlField(charts);
   const auto seeds = surfaces::randomSeeds(charts->mesh(), 200, 6);
-  const auto exact = traceStreamlineEnds(faces, field, seeds, {.maximalTime = 0.3, .tolerance = 1e-12});
+  const auto exact = traceStreamlineEnds(faces, field, seeds, {.maxTime = 0.3, .tolerance = 1e-12});
   double previous = 1.0;
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
-    const auto ends = traceStreamlineEnds(faces, field, seeds, {.maximalTime = 0.3, .tolerance = tolerance});
+    const auto ends = traceStreamlineEnds(faces, field, seeds, {.maxTime = 0.3, .tolerance = tolerance});
     double worst = 0.0;
     for (std::size_t i = 0; i < seeds.size(); ++i) {
       worst = std::max(worst, distanceInEdges(faces, ends[i].point, exact[i].point));
@@ -134,8 +134,8 @@ TEST(Streamline, SamePathFromBothSidesOfAnEdge) {
         right{TriangleMesh::face(t), Eigen::Vector3d::Zero()};
     left.barycentric[TriangleMesh::corner(h)] = right.barycentric[(TriangleMesh::corner(t) + 1) % 3] = 0.3;
     left.barycentric[(TriangleMesh::corner(h) + 1) % 3] = right.barycentric[TriangleMesh::corner(t)] = 0.7;
-    const TraceEnd a = traceStreamline(faces, field, left, {.maximalTime = 0.3, .tolerance = 1e-9});
-    const TraceEnd b = traceStreamline(faces, field, right, {.maximalTime = 0.3, .tolerance = 1e-9});
+    const TraceEnd a = traceStreamline(faces, field, left, {.maxTime = 0.3, .tolerance = 1e-9});
+    const TraceEnd b = traceStreamline(faces, field, right, {.maxTime = 0.3, .tolerance = 1e-9});
     EXPECT_LT(distanceInEdges(faces, a.point, b.point), 1e-6);
   }
 }
@@ -153,7 +153,7 @@ TEST(Streamline, EndsAtAFixedPoint) {
     for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 100, 8)) {
       if ((at(faces, seed) - center).norm() > 0.9) continue;
       const TraceEnd end = traceStreamline(faces, field, seed, {.tolerance = tolerance});
-      EXPECT_EQ(end.reason, StopReason::MinimalSpeed);
+      EXPECT_EQ(end.reason, StopReason::MinSpeed);
       EXPECT_LT((at(faces, end.point) - center).norm(), 1e-5);
       EXPECT_LT(end.steps, 1000);
     }
@@ -171,12 +171,12 @@ TEST(Streamline, SlidesAlongTheBoundaryUntilTheFlowTurnsInwards) {
     EXPECT_EQ(stopped.reason, StopReason::Boundary);
     EXPECT_NEAR(at(faces, stopped.point).y(), 1.0, 1e-9);
     // It leaves the boundary at x = 0 and then follows the parabola y = 1 - x^2.
-    const TraceEnd slid = traceStreamline(faces, field, s, {.boundary = BoundaryRule::Slide, .maximalSteps = 2000});
+    const TraceEnd slid = traceStreamline(faces, field, s, {.boundary = BoundaryRule::Slide, .maxSteps = 2000});
     const Vec3 end = at(faces, slid.point);
     EXPECT_EQ(slid.reason, StopReason::Boundary) << end.transpose();
     EXPECT_NEAR(end.x(), 1.0, 1e-9);
-    const TraceEnd half = traceStreamline(
-        faces, field, s, {.maximalTime = (0.8 - at(faces, s).x()) / 0.5, .boundary = BoundaryRule::Slide});
+    const TraceEnd half =
+        traceStreamline(faces, field, s, {.maxTime = (0.8 - at(faces, s).x()) / 0.5, .boundary = BoundaryRule::Slide});
     EXPECT_NEAR(at(faces, half.point).x(), 0.8, 1e-6);
     EXPECT_NEAR(at(faces, half.point).y(), 1.0 - 0.64, 1e-6);
   }
@@ -194,10 +194,10 @@ TEST(Streamline, NeverLeavesAndNeverLoopsForEver) {
       seeds.push_back(vertexPoint(charts->mesh(), v));
     }
     for (const BoundaryRule rule : {BoundaryRule::Stop, BoundaryRule::Slide}) {
-      const TraceOptions options{.maximalTime = 20.0, .boundary = rule, .maximalSteps = 4000};
+      const TraceOptions options{.maxTime = 20.0, .boundary = rule, .maxSteps = 4000};
       const Traces traces = traceStreamlines(faces, field, seeds, options);
       for (std::size_t i = 0; i < seeds.size(); ++i) {
-        EXPECT_LE(traces.ends[i].steps, options.maximalSteps + 1);
+        EXPECT_LE(traces.ends[i].steps, options.maxSteps + 1);
         EXPECT_TRUE(std::isfinite(traces.ends[i].time) && std::isfinite(traces.ends[i].length));
         EXPECT_GE(traces.offsets[i + 1], traces.offsets[i] + 1);
       }
@@ -215,8 +215,7 @@ TEST(Streamline, PathIsConnectedAndTimesIncrease) {
   const auto charts = surfaces::torus(30, 16, 0.4, 0.2);
   const FlatFaces faces(charts);
   const VectorField field = surfaces::swirlField(charts);
-  const Traces traces =
-      traceStreamlines(faces, field, surfaces::randomSeeds(charts->mesh(), 200, 5), {.maximalTime = 1.0});
+  const Traces traces = traceStreamlines(faces, field, surfaces::randomSeeds(charts->mesh(), 200, 5), {.maxTime = 1.0});
   const double longest = 4.0 * charts->mesh().meanEdgeLength();
   for (std::size_t i = 0; i < traces.ends.size(); ++i) {
     double length = 0.0;
@@ -231,12 +230,12 @@ TEST(Streamline, PathIsConnectedAndTimesIncrease) {
   }
 }
 
-TEST(Streamline, MaximalLengthIsMet) {
+TEST(Streamline, MaxLengthIsMet) {
   const auto charts = surfaces::sphere(10);
   const FlatFaces faces(charts);
   const VectorField field = rotation(charts);
   const SurfacePoint seed = vertexPoint(charts->mesh(), 7);
-  const TraceEnd end = traceStreamline(faces, field, seed, {.maximalLength = 0.7});
+  const TraceEnd end = traceStreamline(faces, field, seed, {.maxLength = 0.7});
   EXPECT_EQ(end.reason, StopReason::Length);
   EXPECT_DOUBLE_EQ(end.length, 0.7);
   EXPECT_NEAR((at(faces, end.point) - at(faces, seed)).norm(), 0.7, 0.1);
@@ -249,7 +248,7 @@ TEST(Streamline, SameForAnyNumberOfThreads) {
   const auto seeds = surfaces::randomSeeds(charts->mesh(), 500, 5);
   const auto run = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return traceStreamlines(faces, field, seeds, {.maximalTime = 1.0});
+    return traceStreamlines(faces, field, seeds, {.maxTime = 1.0});
   };
   const Traces one = run(1), many = run(4);
   EXPECT_EQ(one.offsets, many.offsets);
@@ -265,11 +264,11 @@ TEST(Streamline, SideBySideAsAlone) {
   const FlatFaces faces(charts);
   const VectorField field = surfaces::swirlField(charts);
   const auto seeds = surfaces::randomSeeds(charts->mesh(), 200, 5);
-  const TraceOptions options{.maximalTime = 1.0, .minimalSpeed = 0.0};
+  const TraceOptions options{.maxTime = 1.0, .minSpeed = 0.0};
   const auto together = traceStreamlineEnds(faces, field, seeds, options);
   Integrator<SteadyFlow> integrator(faces, SteadyFlow(field.values.data(), 1.0), options, 0.0);
   for (std::size_t i = 0; i < seeds.size(); ++i) {
-    const TraceEnd alone = integrator.run(seeds[i], 0.0, options.maximalTime, [](const SurfacePoint&, double) {});
+    const TraceEnd alone = integrator.run(seeds[i], 0.0, options.maxTime, [](const SurfacePoint&, double) {});
     EXPECT_EQ(alone.point.face, together[i].point.face);
     EXPECT_EQ(alone.point.barycentric, together[i].point.barycentric);
     EXPECT_EQ(alone.length, together[i].length);
@@ -284,7 +283,7 @@ TEST(Streamline, FieldOfZerosStaysAtTheSeed) {
   for (const SurfacePoint& seed :
        {vertexPoint(charts->mesh(), 4), surfaces::randomSeeds(charts->mesh(), 1, 1).front()}) {
     const TraceEnd end = traceStreamline(faces, field, seed, {});
-    EXPECT_EQ(end.reason, StopReason::MinimalSpeed);
+    EXPECT_EQ(end.reason, StopReason::MinSpeed);
     EXPECT_NEAR((at(faces, end.point) - at(faces, seed)).norm(), 0.0, 1e-12);
   }
 }
@@ -300,9 +299,9 @@ TEST(Streamline, RefusesBadInput) {
   EXPECT_THROW(traceStreamline(faces, field, {0, {1.5, -0.5, 0.0}}, {}), InputError);
   EXPECT_THROW(traceStreamline(faces, field, {0, {std::numeric_limits<double>::quiet_NaN(), 0.5, 0.5}}, {}),
                InputError);
-  EXPECT_THROW(traceStreamline(faces, field, good, {.maximalTime = -1.0}), InputError);
+  EXPECT_THROW(traceStreamline(faces, field, good, {.maxTime = -1.0}), InputError);
   EXPECT_THROW(traceStreamline(faces, field, good, {.tolerance = 0.0}), InputError);
-  EXPECT_THROW(traceStreamline(faces, field, good, {.maximalSteps = 0}), InputError);
+  EXPECT_THROW(traceStreamline(faces, field, good, {.maxSteps = 0}), InputError);
   EXPECT_THROW(traceStreamline(faces, VectorField{charts, {}}, good, {}), InputError);
   Progress progress;
   progress.cancel();
