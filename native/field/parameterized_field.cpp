@@ -9,6 +9,12 @@
 
 namespace stormfield {
 
+std::vector<double> evenLambdas(Index samples) {
+  std::vector<double> lambdas(samples, 0.0);
+  for (Index j = 1; j < samples; ++j) lambdas[j] = static_cast<double>(j) / (samples - 1);
+  return lambdas;
+}
+
 ParameterizedField makeParameterizedField(std::shared_ptr<const VertexCharts> charts, std::vector<double> lambdas,
                                           FieldValues values) {
   if (lambdas.empty()) throw InputError("the field has no samples; give at least one lambda");

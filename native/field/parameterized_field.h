@@ -6,6 +6,9 @@
 
 namespace stormfield {
 
+/// Samples that lie evenly, lambda_j = j / (samples - 1); a single one lies at 0.
+std::vector<double> evenLambdas(Index samples);
+
 /// lambdas strictly increasing in [0, 1], at least one; values[j * vertexCount + v] in the chart of v.
 struct ParameterizedField {
   std::shared_ptr<const VertexCharts> charts;

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "field/vector_field.h"
+#include "field/analytic_fields.h"
 
 namespace stormfield::test {
 
@@ -67,7 +67,7 @@ inline std::vector<std::array<Index, 3>> latticeTriangles(int rows, int columns,
   return result;
 }
 
-/// Flat square [-1, 1]^2 with n x n cells; jitter (part of a cell) moves the inner vertices.
+/// Flat square [-1, 1]^2 with n x n cells; jitter (fraction of a cell) moves the inner vertices.
 inline Surface grid(int n, double jitter = 0.0, std::uint64_t seed = 1) {
   Random random(seed);
   std::vector<Vec3> points;
@@ -86,16 +86,36 @@ inline Surface tetrahedron() {
   return surface({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
 }
 
+struct Polyhedron {
+  std::vector<Vec3> points;
+  std::vector<std::array<Index, 3>> faces;
+};
+
+/// Vertices on the unit sphere.
+inline Polyhedron icosahedron() {
+  const double t = std::numbers::phi;
+  Polyhedron p{{{-1, t, 0},
+                {1, t, 0},
+                {-1, -t, 0},
+                {1, -t, 0},
+                {0, -1, t},
+                {0, 1, t},
+                {0, -1, -t},
+                {0, 1, -t},
+                {t, 0, -1},
+                {t, 0, 1},
+                {-t, 0, -1},
+                {-t, 0, 1}},
+               {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
+  for (Vec3& point : p.points) point.normalize();
+  return p;
+}
+
 /// Unit sphere: an icosahedron whose faces are cut in four level times.
 inline Surface icosphere(int level) {
-  const double t = (1.0 + std::sqrt(5.0)) / 2.0;
-  std::vector<Vec3> points{{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
-                           {0, -1, -t}, {0, 1, -t}, {t, 0, -1},  {t, 0, 1},  {-t, 0, -1}, {-t, 0, 1}};
-  std::vector<std::array<Index, 3>> faces{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
-                                          {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                          {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
-                                          {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
-  for (Vec3& p : points) p.normalize();
+  auto [points, faces] = icosahedron();
   for (int round = 0; round < level; ++round) {
     std::map<std::pair<Index, Index>, Index> middles;
     const auto middle = [&](Index a, Index b) {
@@ -111,6 +131,32 @@ inline Surface icosphere(int level) {
     faces = std::move(finer);
   }
   return surface(points, faces);
+}
+
+/// Unit sphere: an icosahedron whose edges are cut in n pieces and its faces in n^2.
+inline Surface dividedIcosahedron(int n) {
+  const auto [corners, faces] = icosahedron();
+  std::map<std::array<long, 3>, Index> known;
+  std::vector<Vec3> points;
+  std::vector<std::array<Index, 3>> finer;
+  const auto vertex = [&](const Vec3& p) {
+    const Vec3 q = p.normalized();
+    const std::array<long, 3> key = {std::lround(q.x() * 1e7), std::lround(q.y() * 1e7), std::lround(q.z() * 1e7)};
+    const auto [it, added] = known.try_emplace(key, static_cast<Index>(points.size()));
+    if (added) points.push_back(q);
+    return it->second;
+  };
+  for (const auto& face : faces) {
+    const Vec3 &a = corners[face[0]], &b = corners[face[1]], &c = corners[face[2]];
+    const auto at = [&](int i, int j) { return vertex((a * (n - i - j) + b * i + c * j) / n); };
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; i + j < n; ++j) {
+        finer.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
+        if (i + j + 1 < n) finer.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+      }
+    }
+  }
+  return surface(points, finer);
 }
 
 /// Unit sphere by parallels and meridians: needles at its two poles.
@@ -145,16 +191,37 @@ inline Surface bumpySphere(int level, double amplitude = 0.15, std::uint64_t see
   return s;
 }
 
-inline Surface torus(int around, int across, double large = 1.0, double small = 0.4) {
+/// Radii large and small; jitter (fraction of a cell) moves the vertices and bends the tube.
+inline Surface torus(int around, int across, double large = 1.0, double small = 0.4, double jitter = 0.0,
+                     std::uint64_t seed = 1) {
+  Random random(seed);
   std::vector<Vec3> points;
   for (int i = 0; i < around; ++i) {
     for (int j = 0; j < across; ++j) {
-      const double u = 2.0 * kPi * i / around, v = 2.0 * kPi * j / across;
-      points.emplace_back((large + small * std::cos(v)) * std::cos(u), (large + small * std::cos(v)) * std::sin(u),
-                          -small * std::sin(v));
+      const double u = 2.0 * kPi * (i + jitter * random.uniform()) / around;
+      const double v = 2.0 * kPi * (j + jitter * random.uniform()) / across;
+      const double tube = small * (1.0 + 0.3 * jitter * random.uniform());
+      points.emplace_back((large + tube * std::cos(v)) * std::cos(u), (large + tube * std::cos(v)) * std::sin(u),
+                          -tube * std::sin(v));
     }
   }
   return surface(points, latticeTriangles(around, across, true, true));
+}
+
+/// Corners with angle sums of 3/2 pi.
+inline Surface cube() {
+  return surface({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}, {{0, 2, 1},
+                                                                                                            {0, 3, 2},
+                                                                                                            {4, 5, 6},
+                                                                                                            {4, 6, 7},
+                                                                                                            {0, 1, 5},
+                                                                                                            {0, 5, 4},
+                                                                                                            {1, 2, 6},
+                                                                                                            {1, 6, 5},
+                                                                                                            {2, 3, 7},
+                                                                                                            {2, 7, 6},
+                                                                                                            {3, 0, 4},
+                                                                                                            {3, 4, 7}});
 }
 
 /// Genus g: the skin of a plate of cubes with g holes, cells x cells x cells small cubes each, bent a little so that no
@@ -263,14 +330,16 @@ inline std::vector<NamedSurface> boundedSurfaces() {
   return {{"square", grid(6, 0.3), 1}, {"cylinder", cylinder(11, 4), 0}, {"annulus", annulus(13, 3), 0}};
 }
 
+using ChartsPointer = std::shared_ptr<const VertexCharts>;
+
 inline std::shared_ptr<const TriangleMesh> makeMesh(const Surface& s) {
   return std::make_shared<const TriangleMesh>(s.points, s.triangles);
 }
-inline std::shared_ptr<const VertexCharts> makeCharts(const Surface& s) {
+inline ChartsPointer makeCharts(const Surface& s) {
   return std::make_shared<const VertexCharts>(makeMesh(s));
 }
 
-inline VectorField randomField(std::shared_ptr<const VertexCharts> charts, std::uint64_t seed) {
+inline VectorField randomField(ChartsPointer charts, std::uint64_t seed) {
   Random random(seed);
   std::vector<Complex> values(charts->mesh().vertexCount());
   for (Complex& value : values) value = {random.uniform(), random.uniform()};
@@ -278,14 +347,25 @@ inline VectorField randomField(std::shared_ptr<const VertexCharts> charts, std::
 }
 
 /// Components -1, 0 or 1: zero vectors, equal and opposed neighbours in plenty.
-inline VectorField randomIntegerField(std::shared_ptr<const VertexCharts> charts, std::uint64_t seed) {
+inline VectorField randomIntegerField(ChartsPointer charts, std::uint64_t seed) {
   Random random(seed);
   std::vector<Complex> values(charts->mesh().vertexCount());
   for (Complex& value : values) value = {random.below(3) - 1.0, random.below(3) - 1.0};
   return makeVectorField(std::move(charts), std::move(values));
 }
 
-inline VectorField zeroField(std::shared_ptr<const VertexCharts> charts) {
+/// Points anywhere in faces picked at random.
+inline std::vector<SurfacePoint> randomSeeds(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<SurfacePoint> seeds(count);
+  for (SurfacePoint& p : seeds) {
+    p.face = random.below(mesh.faceCount());
+    p.barycentric = random.barycentric();
+  }
+  return seeds;
+}
+
+inline VectorField zeroField(ChartsPointer charts) {
   std::vector<Complex> values(charts->mesh().vertexCount(), 0.0);
   return makeVectorField(std::move(charts), std::move(values));
 }

@@ -16,7 +16,7 @@ void GeometrySetsGrowth(benchmark::State& state) {
   for (auto _ : state) {
     Growth plain, whole;
     for (const Index n : {36, 72, 144}) {
-      const VectorField field = roughField(surfaces::sphere(n));
+      const VectorField field = roughField(test::makeCharts(test::dividedIcosahedron(n)));
       const auto analyze = [&](bool persistence) {
         MorseAnalysisOptions options;
         options.persistence = persistence;

@@ -16,7 +16,7 @@ void report(benchmark::State& state, const VectorField& field, const MorseAnalys
 }
 
 void MorseSets(benchmark::State& state) {
-  const auto charts = surfaces::sphere(static_cast<Index>(state.range(0)));
+  const auto charts = test::makeCharts(test::dividedIcosahedron(static_cast<Index>(state.range(0))));
   const VectorField field = roughField(charts);
   MorseAnalysisOptions options;
   options.persistence = state.range(1) != 0;
@@ -32,7 +32,7 @@ BENCHMARK(MorseSets)
     ->Unit(benchmark::kMillisecond);
 
 void SimplifiedMorseSets(benchmark::State& state) {
-  const auto charts = surfaces::sphere(static_cast<Index>(state.range(0)));
+  const auto charts = test::makeCharts(test::dividedIcosahedron(static_cast<Index>(state.range(0))));
   const VectorField field = roughField(charts);
   Progress progress;
   const MorseAnalysis full = analyzeMorse(nullptr, field, {}, progress);

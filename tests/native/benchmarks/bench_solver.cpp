@@ -15,8 +15,8 @@
 #endif
 
 #include "../solver/storm_constraints.h"
-#include "../tracing/surfaces.h"
 #include "design/even_speed.h"
+#include "fixtures.h"
 #include "plain_solver.h"
 
 namespace stormfield {
@@ -88,7 +88,7 @@ double difference(const ParameterizedField& field, const ParameterizedField& exa
 /// Two storms on a sphere, about range(0) vertices x range(1) samples; then one of them moves by a tenth of its radius.
 void SolveStorms(benchmark::State& state) {
   const Index n = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(state.range(0)) / 10.0)));
-  const auto charts = surfaces::sphere(n);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(n));
   SpaceTimeOptions options;
   options.samples = static_cast<Index>(state.range(1));
   const ConstraintSet before = storms::storms(*charts, stormOptions(options.samples));
@@ -159,7 +159,7 @@ void SolveGrowth(benchmark::State& state) {
     Time best;
   };
   auto measure = [](Index n, Index samples, int repeats) -> Run {
-    const auto charts = surfaces::sphere(n);
+    const auto charts = test::makeCharts(test::dividedIcosahedron(n));
     SpaceTimeOptions options;
     options.samples = samples;
     const ConstraintSet constraints = storms::storms(*charts, stormOptions(samples));
@@ -185,7 +185,7 @@ BENCHMARK(SolveGrowth)->Unit(benchmark::kSecond)->Iterations(1);
 
 /// Even speed on the result of a solve.
 void EvenSpeed(benchmark::State& state) {
-  const auto charts = surfaces::sphere(45);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(45));
   Progress progress;
   const ParameterizedField field =
       SpaceTimeSolver(charts).solve(storms::storms(*charts, stormOptions(100)), progress).field;

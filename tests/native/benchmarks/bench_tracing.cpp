@@ -4,8 +4,8 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
-#include "../tracing/surfaces.h"
 #include "data_sets.h"
+#include "fixtures.h"
 #include "texture/advected_coordinates.h"
 #include "texture/stagger.h"
 #include "texture/stream_function.h"
@@ -20,7 +20,7 @@ enum Kept : std::int64_t { kEnds, kPoints };
 /// Seeds whose streamlines have the whole length.
 std::vector<SurfacePoint> seedsOfWholeLines(const FlatFaces& faces, const VectorField& field,
                                             const TraceOptions& options) {
-  auto seeds = surfaces::randomSeeds(faces.mesh(), 24000, 1);
+  auto seeds = test::randomSeeds(faces.mesh(), 24000, 1);
   const auto ends = traceStreamlineEnds(faces, field, seeds, options);
   std::vector<SurfacePoint> whole;
   for (std::size_t i = 0; i < seeds.size() && whole.size() < 2000; ++i) {
@@ -77,8 +77,8 @@ void follow(benchmark::State& state, const VectorField& field, std::int64_t kept
 
 /// On a sphere with range(0)^2 * 20 faces.
 void StreamlinesOnTheSphere(benchmark::State& state) {
-  const auto charts = surfaces::sphere(static_cast<Index>(state.range(0)));
-  follow(state, surfaces::swirlField(charts), state.range(1), state.range(2));
+  const auto charts = test::makeCharts(test::dividedIcosahedron(static_cast<Index>(state.range(0))));
+  follow(state, sampled(charts, analytic::swirl()), state.range(1), state.range(2));
 }
 BENCHMARK(StreamlinesOnTheSphere)
     ->ArgsProduct({{20, 72}, {kEnds, kPoints}, {4, 6, 8}})
@@ -100,11 +100,11 @@ BENCHMARK(StreamlinesOnTheGasEngine)
 /// One frame of advected coordinates, both phases of a period of 48 frames, on a sphere with 10 range(0)^2 + 2 vertices
 /// and 100 lambda samples, with every core. The errors are those of the carried coordinates, in mean edge lengths.
 void AdvectedFrame(benchmark::State& state) {
-  const auto charts = surfaces::sphere(static_cast<Index>(state.range(0)));
+  const auto charts = test::makeCharts(test::dividedIcosahedron(static_cast<Index>(state.range(0))));
   auto field = std::make_shared<ParameterizedField>(ParameterizedField{charts, {}, {}});
   std::vector<Complex> values;
   for (int j = 0; j < 100; ++j) {
-    const VectorField sample = surfaces::swirlField(charts, 0.03 * j);
+    const VectorField sample = sampled(charts, analytic::swirl(0.03 * j));
     field->lambdas.push_back(j / 99.0);
     values.insert(values.end(), sample.values.begin(), sample.values.end());
   }
@@ -127,10 +127,10 @@ BENCHMARK(AdvectedFrame)->Arg(45)->ArgName("n")->Unit(benchmark::kMillisecond)->
 
 /// Stream functions of 100 samples: one factorization, 100 solves.
 void StreamFunctions(benchmark::State& state) {
-  const auto charts = surfaces::sphere(static_cast<Index>(state.range(0)));
+  const auto charts = test::makeCharts(test::dividedIcosahedron(static_cast<Index>(state.range(0))));
   ParameterizedField field{charts, {}, {}};
   std::vector<Complex> values;
-  const VectorField sample = surfaces::swirlField(charts);
+  const VectorField sample = sampled(charts, analytic::swirl());
   for (int j = 0; j < 100; ++j) {
     field.lambdas.push_back(j / 99.0);
     values.insert(values.end(), sample.values.begin(), sample.values.end());

@@ -2,8 +2,8 @@
 // then guess which belong together).
 #include <benchmark/benchmark.h>
 
-#include "../tracing/surfaces.h"
 #include "../tracking/tracked_fields.h"
+#include "fixtures.h"
 #include "tracking/tracking.h"
 
 namespace stormfield {
@@ -12,7 +12,7 @@ namespace {
 /// 100 samples on a sphere with 10 n^2 + 2 vertices: smooth (two random quadratic maps blended through a third) or as
 /// rough as fields of weather, a random field averaged over its neighbours and moved on a circle.
 ParameterizedField history(Index n, bool rough) {
-  const auto charts = surfaces::sphere(n);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(n));
   if (!rough) return test::smoothBlend(charts, 100, 3);
   const TriangleMesh& mesh = charts->mesh();
   const auto averaged = [&](std::uint64_t seed) {

@@ -2,18 +2,16 @@
 #pragma once
 
 #include <memory>
-#include <random>
 
-#include "../tracing/surfaces.h"
+#include "fixtures.h"
 
 namespace stormfield {
 
 inline VectorField roughField(const std::shared_ptr<const VertexCharts>& charts) {
-  VectorField field = surfaces::swirlField(charts);
-  std::mt19937_64 random(1);
+  VectorField field = sampled(charts, analytic::swirl());
+  test::Random random(1);
   for (Complex& value : field.values) {
-    const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53 - 0.5; };
-    const double x = uniform(), y = uniform();
+    const double x = random.uniform(-0.5, 0.5), y = random.uniform(-0.5, 0.5);
     value += 0.5 * Complex(x, y);
   }
   return field;

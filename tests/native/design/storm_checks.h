@@ -10,13 +10,13 @@
 
 #include "design/detail/surface_path.h"
 #include "design/element_constraints.h"
+#include "fixtures.h"
 #include "solver/space_time_solver.h"
 #include "topology/fixed_points.h"
-#include "tracing/surfaces.h"
 
 namespace stormfield::storms {
 
-using surfaces::ChartsPointer;
+using test::ChartsPointer;
 
 inline DesignElement singular(const std::string& name, SingularKind kind, std::vector<Vec3> points,
                               std::vector<double> lambdas, double radius) {

@@ -13,7 +13,7 @@ using storms::singular;
 
 /// The message of the InputError that the elements cause, empty when there is none.
 std::string fault(const std::vector<DesignElement>& elements, Index samples = 5) {
-  const auto charts = surfaces::square(10);
+  const auto charts = test::makeCharts(test::grid(10));
   ElementOptions options;
   options.samples = samples;
   try {
@@ -125,7 +125,7 @@ TEST(Elements, StormsThatCannotBeJoinedAreRefused) {
 }
 
 TEST(Elements, HardCoresAreExactAndTheRestSoft) {
-  const auto charts = surfaces::square(20);
+  const auto charts = test::makeCharts(test::grid(20));
   const DesignElement hard = changed(source(), [](auto& e) { e.hard = true; });
   ElementOptions options;
   options.samples = 3;
@@ -146,7 +146,7 @@ TEST(Elements, HardCoresAreExactAndTheRestSoft) {
 }
 
 TEST(Elements, StreamlineIsFollowed) {
-  const auto charts = surfaces::square(40, 0.2);
+  const auto charts = test::makeCharts(test::grid(40, 0.2));
   std::vector<Vec3> points;
   for (int i = 0; i <= 30; ++i) points.emplace_back(0.5 * std::cos(0.1 * i), 0.5 * std::sin(0.1 * i), 0.0);
   const DesignElement element = changed(curve("c", ElementType::Streamline, points), [](auto& e) { e.radius = 0.15; });
@@ -163,11 +163,11 @@ TEST(Elements, StreamlineIsFollowed) {
 
 TEST(Elements, StripDoesNotReachOtherSheets) {
   // A folded sheet: two squares 0.02 apart, connected along x = 1 only.
-  const auto flat = surfaces::square(24);
+  const auto flat = test::makeCharts(test::grid(24));
   Points points = flat->mesh().points();
   for (Index v = 0; v < points.rows(); ++v)
     if (points(v, 0) > 0.001) points.row(v) << -points(v, 0) + 0.02, points(v, 1), 0.02;
-  const auto charts = surfaces::charts(points, flat->mesh().triangles());
+  const auto charts = test::makeCharts({points, flat->mesh().triangles()});
   const ClosestPointQuery query(charts->meshPointer());
   const DesignElement element = curve("c", ElementType::Streamline, {{-0.7, -0.3, 0}, {-0.7, 0.3, 0}});
   const SurfacePath path(charts->mesh(), query, element);
@@ -176,7 +176,7 @@ TEST(Elements, StripDoesNotReachOtherSheets) {
 }
 
 TEST(Elements, ArrowIsCarriedAlongGeodesics) {
-  const auto charts = surfaces::square(20, 0.2);
+  const auto charts = test::makeCharts(test::grid(20, 0.2));
   const DesignElement arrow = curve("r", ElementType::Regular, {{0, 0, 0}, {0.1, 0.2, 0}});
   ElementOptions options;
   options.samples = 1;
@@ -187,7 +187,7 @@ TEST(Elements, ArrowIsCarriedAlongGeodesics) {
 }
 
 TEST(Elements, ParticleFollowsThePathlineInTime) {
-  const auto charts = surfaces::sphere(20);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(20));
   std::vector<Vec3> points;
   for (int i = 0; i <= 40; ++i)
     points.push_back(Vec3(std::cos(0.04 * i), std::sin(0.04 * i), 0.3 * std::sin(0.1 * i)).normalized());
@@ -222,7 +222,7 @@ TEST(Elements, ParticleFollowsThePathlineInTime) {
 }
 
 TEST(Elements, SameForAnyNumberOfThreads) {
-  const auto charts = surfaces::sphere(8);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(8));
   const auto elements =
       storms::merge(SingularKind::VortexCcw, Vec3(1, -0.6, 0), Vec3(1, 0.6, 0), Vec3(1, 0, 0), Vec3(1, 0, 0.3), 0.5);
   ElementOptions options;
@@ -239,11 +239,11 @@ TEST(Elements, SameForAnyNumberOfThreads) {
 TEST(Elements, CanBeCancelled) {
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(elementConstraints(surfaces::square(5), {source()}, {}, &progress), Cancelled);
+  EXPECT_THROW(elementConstraints(test::makeCharts(test::grid(5)), {source()}, {}, &progress), Cancelled);
 }
 
 TEST(Elements, KeptLogMapsChangeNothing) {
-  const auto charts = surfaces::sphere(12);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(12));
   const double r = charts->mesh().point(0).norm();
   const auto at = [&](double angle, double height) {
     const double across = std::sqrt(1.0 - height * height);

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "field/poincare_index.h"
-#include "tracing/surfaces.h"
+#include "fixtures.h"
 
 namespace stormfield {
 namespace {
@@ -19,8 +19,9 @@ ParameterizedField constantInLambda(const VectorField& field) {
 
 TEST(EvenSpeed, KeepsDirectionsAndIndices) {
   for (const unsigned seed : {1u, 2u, 3u}) {
-    for (const auto& charts : {surfaces::sphere(10), surfaces::torus(20, 12, 0.4, 0.2)}) {
-      const ParameterizedField field = constantInLambda(surfaces::randomField(charts, seed));
+    for (const auto& charts :
+         {test::makeCharts(test::dividedIcosahedron(10)), test::makeCharts(test::torus(20, 12, 1.0, 0.4, 0.2))}) {
+      const ParameterizedField field = constantInLambda(test::randomField(charts, seed));
       const ParameterizedField even = evenSpeed(field, 1.0, 0.05);
       for (Index j = 0; j < 2; ++j) {
         EXPECT_EQ(poincareIndices(*charts, field.sample(j)), poincareIndices(*charts, even.sample(j)));
@@ -35,15 +36,15 @@ TEST(EvenSpeed, KeepsDirectionsAndIndices) {
 }
 
 TEST(EvenSpeed, ZeroAmountChangesNothing) {
-  const ParameterizedField field = constantInLambda(surfaces::randomField(surfaces::sphere(5), 1));
+  const ParameterizedField field =
+      constantInLambda(test::randomField(test::makeCharts(test::dividedIcosahedron(5)), 1));
   EXPECT_EQ(evenSpeed(field, 0.0, 0.1).values, field.values);
 }
 
 TEST(EvenSpeed, IsUnitSpeedWhereTheFieldHasFaded) {
   // A field along x whose speed falls from 1 to 1e-6 over the square.
-  const auto square = surfaces::square(60);
-  const VectorField field =
-      surfaces::sampled(square, [](const Vec3& p) { return Vec3(std::exp(-6.9 * (1.0 + p.x())), 0, 0); });
+  const auto square = test::makeCharts(test::grid(60));
+  const VectorField field = sampled(square, [](const Vec3& p) { return Vec3(std::exp(-6.9 * (1.0 + p.x())), 0, 0); });
   const ParameterizedField even = evenSpeed(constantInLambda(field), 1.0, 0.01);
   const auto [slowest, fastest] = std::minmax_element(even.values.begin(), even.values.end(),
                                                       [](Complex a, Complex b) { return std::norm(a) < std::norm(b); });
@@ -55,8 +56,8 @@ TEST(EvenSpeed, FallsLinearlyToAFixedPointAtAnyResolution) {
   // V = (-y, x): the speed after evening is U r / sqrt(r^2 + reach^2).
   const double reach = 0.2;
   for (const Index n : {20, 40, 80}) {
-    const auto square = surfaces::square(n, 0.2);
-    const VectorField field = surfaces::sampled(square, [](const Vec3& p) { return Vec3(-p.y(), p.x(), 0); });
+    const auto square = test::makeCharts(test::grid(n, 0.2));
+    const VectorField field = sampled(square, [](const Vec3& p) { return Vec3(-p.y(), p.x(), 0); });
     const ParameterizedField even = evenSpeed(constantInLambda(field), 1.0, reach);
     const TriangleMesh& mesh = square->mesh();
     double speed = 0.0, area = 0.0;
@@ -73,7 +74,7 @@ TEST(EvenSpeed, FallsLinearlyToAFixedPointAtAnyResolution) {
 }
 
 TEST(EvenSpeed, AcceptsZeroFieldsAndRefusesBadSettings) {
-  const auto sphere = surfaces::sphere(4);
+  const auto sphere = test::makeCharts(test::dividedIcosahedron(4));
   const ParameterizedField zero =
       constantInLambda({sphere, std::vector<Complex>(sphere->mesh().vertexCount(), Complex{})});
   EXPECT_EQ(evenSpeed(zero, 1.0, 0.1).values, zero.values);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "design/log_map_cache.h"
-#include "tracing/surfaces.h"
+#include "fixtures.h"
 
 namespace stormfield {
 namespace {
@@ -14,7 +14,7 @@ SurfacePoint inFace(Index f) {
 
 // Past obtuse corners the way runs along an edge, which costs up to a percent.
 TEST(LogMap, IsPolarCoordinatesInThePlane) {
-  const auto charts = surfaces::square(20, 0.3);
+  const auto charts = test::makeCharts(test::grid(20, 0.3));
   const TriangleMesh& mesh = charts->mesh();
   LogMapScratch scratch(mesh);
   for (const Index f : {0, 150, 411, 640}) {
@@ -37,7 +37,7 @@ TEST(LogMap, IsPolarCoordinatesInThePlane) {
 TEST(LogMap, FollowsGreatCircles) {
   double before = 1.0;
   for (const Index n : {8, 16, 32}) {
-    const auto charts = surfaces::sphere(n);
+    const auto charts = test::makeCharts(test::dividedIcosahedron(n));
     const TriangleMesh& mesh = charts->mesh();
     LogMapScratch scratch(mesh);
     const SurfacePoint source = inFace(7);
@@ -64,7 +64,7 @@ TEST(LogMap, FollowsGreatCircles) {
 
 /// Two squares that almost touch, in two components.
 TEST(LogMap, StaysOnItsOwnSheet) {
-  const auto one = surfaces::square(10);
+  const auto one = test::makeCharts(test::grid(10));
   const TriangleMesh& m = one->mesh();
   Points points(2 * m.vertexCount(), 3);
   Triangles triangles(2 * m.faceCount(), 3);
@@ -72,7 +72,7 @@ TEST(LogMap, StaysOnItsOwnSheet) {
   points.bottomRows(m.vertexCount()) = m.points().rowwise() + Eigen::RowVector3d(0.0, 0.0, 0.01);
   triangles.topRows(m.faceCount()) = m.triangles();
   triangles.bottomRows(m.faceCount()) = m.triangles().array() + m.vertexCount();
-  const auto charts = surfaces::charts(points, triangles);
+  const auto charts = test::makeCharts({points, triangles});
   LogMapScratch scratch(charts->mesh());
   const LogMap map = logMap(*charts, inFace(99), 1.0, scratch);
   EXPECT_GT(map.entries.size(), 40u);
@@ -81,7 +81,7 @@ TEST(LogMap, StaysOnItsOwnSheet) {
 }
 
 TEST(LogMap, WorksAtVerticesEdgesAndCubeCorners) {
-  const auto charts = surfaces::cube();
+  const auto charts = test::makeCharts(test::cube());
   const TriangleMesh& mesh = charts->mesh();
   LogMapScratch scratch(mesh);
   for (const Eigen::Vector3d& b : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0.5, 0.5, 0), Eigen::Vector3d(0, 0, 1)}) {
@@ -95,7 +95,7 @@ TEST(LogMap, WorksAtVerticesEdgesAndCubeCorners) {
 }
 
 TEST(LogMap, IsPartOfAnyLargerOne) {
-  const auto charts = surfaces::torus(40, 20, 0.4, 0.2);
+  const auto charts = test::makeCharts(test::torus(40, 20, 1.0, 0.4, 0.2));
   const TriangleMesh& mesh = charts->mesh();
   LogMapScratch scratch(mesh);
   for (const Index f : {0, 77, 900}) {
@@ -118,7 +118,7 @@ TEST(LogMap, IsPartOfAnyLargerOne) {
 }
 
 TEST(LogMapCache, KeepsWhatTheLastDesignUsedAsFarAsItFits) {
-  const auto charts = surfaces::sphere(8);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(8));
   LogMapScratch scratch(charts->mesh());
   LogMapCache kept;
   kept.start(1);

@@ -24,7 +24,7 @@ struct RandomDesign {
 
 /// An icosphere with vertices moved by up to a quarter of an edge, hills and hollows.
 ChartsPointer roughSphere(Random& random) {
-  const ChartsPointer round = surfaces::sphere(10 + random.below(12));
+  const ChartsPointer round = test::makeCharts(test::dividedIcosahedron(10 + random.below(12)));
   Points points = round->mesh().points();
   const double jitter = random.uniform(0.0, 0.25) * round->mesh().meanEdgeLength();
   const double hills = random.uniform(0.0, 0.12);
@@ -33,7 +33,7 @@ ChartsPointer roughSphere(Random& random) {
     points.row(v) =
         p * (1.0 + hills * std::sin(4.0 * p.x() + 1.0) * std::cos(5.0 * p.y()) + 0.5 * hills * std::sin(6.0 * p.z()));
   }
-  return surfaces::charts(points, round->mesh().triangles());
+  return test::makeCharts({points, round->mesh().triangles()});
 }
 
 RandomDesign randomDesign(Random& random) {

@@ -60,7 +60,7 @@ TEST(Resolution, FinerMeshesAndSamplesConverge) {
   std::vector<std::vector<Vec3>> fields;
   Index n = 6, samples = 26;
   for (int level = 0; level < 3; ++level, n *= 2, samples = 2 * samples - 1) {
-    const auto result = solved(surfaces::sphere(n), design(), samples, 1e-6);
+    const auto result = solved(test::makeCharts(test::dividedIcosahedron(n)), design(), samples, 1e-6);
     fields.push_back(probes(result));
   }
   const double first = difference(fields[0], fields[2]), second = difference(fields[1], fields[2]);
@@ -70,7 +70,7 @@ TEST(Resolution, FinerMeshesAndSamplesConverge) {
 }
 
 TEST(Resolution, SamplesOfLambdaAloneConverge) {
-  const auto charts = surfaces::sphere(12);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(12));
   const auto coarse = probes(solved(charts, design(), 26, 1e-6)), middle = probes(solved(charts, design(), 51, 1e-6)),
              fine = probes(solved(charts, design(), 101, 1e-6));
   const double first = difference(coarse, fine), second = difference(middle, fine);
@@ -84,7 +84,7 @@ TEST(Resolution, StormsStayOnTheirPaths) {
   const std::vector<DesignElement> storms(all.begin(), all.begin() + 3);
   Index n = test::shortOrLong(6, 8), samples = test::shortOrLong(15, 26);
   for (int level = 0; level < 3; ++level, n *= 2, samples = 2 * samples - 1) {
-    const auto result = solved(surfaces::sphere(n), all, samples);
+    const auto result = solved(test::makeCharts(test::dividedIcosahedron(n)), all, samples);
     for (Index j = 0; j < samples; j += 1 << level) checkSample(result, storms, j, 0.6, true);
   }
 }

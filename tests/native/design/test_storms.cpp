@@ -14,13 +14,13 @@ Vec3 onSphere(double longitude, double latitude) {
 
 /// A sphere with hills and hollows of a tenth of its radius.
 ChartsPointer bumpySphere(Index n) {
-  const ChartsPointer round = surfaces::sphere(n);
+  const ChartsPointer round = test::makeCharts(test::dividedIcosahedron(n));
   Points points = round->mesh().points();
   for (Index v = 0; v < points.rows(); ++v) {
     const Vec3 p = points.row(v);
     points.row(v) = p * (1.0 + 0.1 * std::sin(4.0 * p.x()) * std::cos(5.0 * p.y()) + 0.05 * std::sin(6.0 * p.z()));
   }
-  return surfaces::charts(points, round->mesh().triangles());
+  return test::makeCharts({points, round->mesh().triangles()});
 }
 
 std::vector<DesignElement> onTheSphere(SingularKind kind) {
@@ -31,7 +31,7 @@ class StormsOfKind : public testing::TestWithParam<SingularKind> {};
 
 TEST_P(StormsOfKind, MergeOnTheSphere) {
   const auto elements = onTheSphere(GetParam());
-  checkMerge(solved(surfaces::sphere(14), elements, 41), elements, 0.6);
+  checkMerge(solved(test::makeCharts(test::dividedIcosahedron(14)), elements, 41), elements, 0.6);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, StormsOfKind,
@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, StormsOfKind,
 
 TEST(Storms, SplitOnTheSphere) {
   const auto elements = reversed(onTheSphere(SingularKind::SpiralInCcw));
-  checkMerge(solved(surfaces::sphere(14), elements, 50), elements, 0.4, false);
+  checkMerge(solved(test::makeCharts(test::dividedIcosahedron(14)), elements, 50), elements, 0.4, false);
 }
 
 TEST(Storms, MergeAndSplitOnABumpySphere) {
@@ -58,23 +58,23 @@ TEST(Storms, MergeOnATorus) {
     return Vec3((1.0 + 0.4 * std::cos(v)) * std::cos(u), (1.0 + 0.4 * std::cos(v)) * std::sin(u), 0.4 * std::sin(v));
   };
   const auto elements = merge(SingularKind::SpiralInCcw, on(-0.6, 0.1), on(0.6, -0.3), on(0.0, 0.0), on(0.1, 0.4), 0.3);
-  checkMerge(solved(surfaces::torus(60, 32, 0.4, 0.15), elements, 40), elements, 0.6);
+  checkMerge(solved(test::makeCharts(test::torus(60, 32, 1.0, 0.4, 0.15)), elements, 40), elements, 0.6);
 }
 
 TEST(Storms, MergeOnASquareWithBoundary) {
   const auto elements = merge(SingularKind::VortexCcw, {-0.6, 0.2, 0}, {0.5, -0.3, 0}, {0, 0, 0}, {0.1, 0.3, 0}, 0.4);
-  checkMerge(solved(surfaces::square(test::shortOrLong(28, 40), 0.2), elements, test::shortOrLong(40, 60)), elements,
-             0.6);
+  checkMerge(solved(test::makeCharts(test::grid(test::shortOrLong(28, 40), 0.2)), elements, test::shortOrLong(40, 60)),
+             elements, 0.6);
 }
 
 TEST(Storms, OneMayWaitForTheOther) {
   auto elements = onTheSphere(SingularKind::VortexCcw);
   elements[0].points = {onSphere(0.0, 0.0)};
-  checkMerge(solved(surfaces::sphere(14), elements, 41), elements, 0.6);
+  checkMerge(solved(test::makeCharts(test::dividedIcosahedron(14)), elements, 41), elements, 0.6);
 }
 
 TEST(Storms, FixedElementsOfEveryKindAreFound) {
-  const auto charts = surfaces::sphere(12);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(12));
   for (int k = 0; k < 9; ++k) {
     const auto kind = static_cast<SingularKind>(k);
     const Vec3 place = onSphere(0.4 + 0.3 * k, 0.2);
@@ -94,7 +94,7 @@ TEST(Storms, FixedElementsOfEveryKindAreFound) {
 }
 
 TEST(Storms, SaddleFlowsOutAlongItsAxis) {
-  const auto charts = surfaces::square(20);
+  const auto charts = test::makeCharts(test::grid(20));
   DesignElement saddle = singular("s", SingularKind::Saddle, {{0, 0, 0}}, {0.0, 1.0}, 0.5);
   saddle.angle = 0.5;
   const auto result = solved(charts, {saddle}, 2);
@@ -109,7 +109,7 @@ TEST(Storms, SaddleFlowsOutAlongItsAxis) {
 }
 
 TEST(Storms, CloseOnesThatAreNotJoinedGiveWay) {
-  const auto charts = surfaces::sphere(16);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(16));
   const std::vector<DesignElement> elements = {
       singular("x", SingularKind::VortexCcw, {onSphere(-0.15, 0.0)}, {0.0, 1.0}, 0.4),
       singular("y", SingularKind::VortexCw, {onSphere(0.15, 0.0)}, {0.0, 1.0}, 0.4)};
@@ -123,7 +123,7 @@ TEST(Storms, CloseOnesThatAreNotJoinedGiveWay) {
 }
 
 TEST(Storms, SmallerThanTheMeshBecomesThreeConstraints) {
-  const auto charts = surfaces::sphere(12);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(12));
   const Vec3 place = onSphere(0.3, 0.4);
   const auto elements = std::vector{singular("x", SingularKind::VortexCcw, {place}, {0.0, 1.0}, 0.02)};
   ElementOptions options;
@@ -138,7 +138,7 @@ TEST(Storms, SmallerThanTheMeshBecomesThreeConstraints) {
 
 // At the meeting point itself the zeros of a pair give way to one zero, in a disc of a few edges.
 TEST(Storms, NothingJumpsInLambda) {
-  const auto charts = surfaces::sphere(test::shortOrLong(16, 24));
+  const auto charts = test::makeCharts(test::dividedIcosahedron(test::shortOrLong(16, 24)));
   const TriangleMesh& mesh = charts->mesh();
   const auto elements = onTheSphere(SingularKind::VortexCcw);
   const double speed = elements[0].strength * mesh.size();

@@ -94,7 +94,7 @@ TEST(PoincareIndex, DoesNotDependOnLabelsOrThreads) {
   EXPECT_EQ(poincareIndices(makeVectorField(makeCharts(relabelled), values)), indices);
 
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(edgeTurns(*field.charts, field.values.data()), edgeTurns(*makeCharts(s), field.values.data()));
+  EXPECT_EQ(edgeRotations(*field.charts, field.values.data()), edgeRotations(*makeCharts(s), field.values.data()));
   EXPECT_EQ(poincareIndices(field), indices);
 }
 
@@ -102,7 +102,7 @@ TEST(EdgeTurns, StayWithinHalfATurn) {
   const auto charts = makeCharts(grid(4));
   VectorField field = zeroField(charts);
   for (std::size_t v = 0; v < field.values.size(); ++v) field.values[v] = v % 2 ? 1.0 : -1.0;
-  for (const double turn : edgeTurns(*charts, field.values.data())) {
+  for (const double turn : edgeRotations(*charts, field.values.data())) {
     EXPECT_GT(turn, -kPi);
     EXPECT_LE(turn, kPi);
   }

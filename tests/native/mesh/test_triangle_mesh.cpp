@@ -60,7 +60,7 @@ TEST(TriangleMesh, HalfedgesAgree) {
       EXPECT_EQ(TriangleMesh::prev(TriangleMesh::next(h)), h);
       const Index t = mesh->twin(h);
       if (t == kNone) {
-        EXPECT_TRUE(mesh->isBoundaryEdge(mesh->edge(h)));
+        EXPECT_EQ(mesh->edgeHalfedge(mesh->edge(h)), h);
         EXPECT_TRUE(mesh->isBoundaryVertex(mesh->tail(h)) && mesh->isBoundaryVertex(mesh->head(h)));
         continue;
       }

@@ -15,12 +15,12 @@
 #include <utility>
 #include <vector>
 
+#include "fixtures.h"
 #include "solver/space_time_solver.h"
-#include "tracing/surfaces.h"
 
 namespace stormfield::solving {
 
-using surfaces::ChartsPointer;
+using test::ChartsPointer;
 
 inline constexpr double kHard = std::numeric_limits<double>::infinity();
 
@@ -38,7 +38,7 @@ inline ChartsPointer annulus(Index n, Index m) {
       triangles.row(f++) << a, b + 1, b;
     }
   }
-  return surfaces::charts(points, triangles);
+  return test::makeCharts({points, triangles});
 }
 
 /// The meshes side by side as one, with a loose vertex at the end.
@@ -60,20 +60,19 @@ inline ChartsPointer together(const std::vector<ChartsPointer>& parts) {
   for (std::size_t i = 0; i < points.size(); ++i) p.row(i) = points[i];
   Triangles t(faces.size(), 3);
   for (std::size_t f = 0; f < faces.size(); ++f) t.row(f) << faces[f][0], faces[f][1], faces[f][2];
-  return surfaces::charts(p, t);
+  return test::makeCharts({p, t});
 }
 
 /// Some soft discs and some hard values, seeded.
 inline ConstraintSet randomConstraints(const VertexCharts& charts, Index samples, bool soft, bool hard, unsigned seed,
                                        Index vertices) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
+  test::Random random(seed);
   ConstraintSet set;
   set.elementNames = {"soft", "hard"};
   const TriangleMesh& mesh = charts.mesh();
   for (int k = 0; soft && k < 3; ++k) {
-    const Vec3 centre = mesh.point(static_cast<Index>(random() % vertices));
-    const Complex value(normal(random), normal(random));
+    const Vec3 centre = mesh.point(random.below(vertices));
+    const Complex value(random.uniform(), random.uniform());
     for (Index v = 0; v < vertices; ++v) {
       if ((mesh.point(v) - centre).norm() > 0.2 * mesh.size()) continue;
       for (Index j = 0; j < samples; ++j) {
@@ -82,7 +81,7 @@ inline ConstraintSet randomConstraints(const VertexCharts& charts, Index samples
     }
   }
   for (int k = 0; hard && k < 20; ++k) {
-    const Index v = static_cast<Index>(random() % vertices);
+    const Index v = random.below(vertices);
     const Index j = static_cast<Index>(random() % samples);
     const Complex value(static_cast<double>(v % 7) - 3.0, static_cast<double>(j % 5) - 2.0);
     set.add(v, j, value, kHard, 1);

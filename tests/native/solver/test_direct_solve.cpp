@@ -18,17 +18,20 @@ struct OracleCase {
 
 std::vector<OracleCase> oracleCases() {
   const bool many = test::longTests();
-  const auto sphere = surfaces::sphere(many ? 5 : 4);
-  const auto torus = many ? surfaces::torus(18, 9, 0.4, 0.25) : surfaces::torus(12, 7, 0.4, 0.25);
+  const auto sphere = test::makeCharts(test::dividedIcosahedron(many ? 5 : 4));
+  const auto torus = many ? test::makeCharts(test::torus(18, 9, 1.0, 0.4, 0.25))
+                          : test::makeCharts(test::torus(12, 7, 1.0, 0.4, 0.25));
   const auto ring = many ? annulus(24, 5) : annulus(15, 4);
-  const auto several = together({surfaces::sphere(3), annulus(12, 3), surfaces::torus(10, 6)});
-  const Index two = surfaces::sphere(3)->mesh().vertexCount() + annulus(12, 3)->mesh().vertexCount();
+  const auto several =
+      together({test::makeCharts(test::dividedIcosahedron(3)), annulus(12, 3), test::makeCharts(test::torus(10, 6))});
+  const Index two =
+      test::makeCharts(test::dividedIcosahedron(3))->mesh().vertexCount() + annulus(12, 3)->mesh().vertexCount();
   return {{"sphere", sphere, many ? 20 : 9, sphere->mesh().vertexCount()},
           {"torus", torus, many ? 13 : 10, torus->mesh().vertexCount()},
           {"annulus", ring, many ? 21 : 12, ring->mesh().vertexCount()},
           {"one sample", torus, 1, torus->mesh().vertexCount()},
           {"two samples", ring, 2, ring->mesh().vertexCount()},
-          {"cube", surfaces::cube(), 7, 8},
+          {"cube", test::makeCharts(test::cube()), 7, 8},
           {"several components", several, many ? 10 : 6, two}};
 }
 
@@ -58,7 +61,7 @@ TEST(SpaceTimeSolver, AgreesWithADirectSolve) {
 TEST(SpaceTimeSolver, EditsOfAnyKindAgreeWithADirectSolve) {
   // One state through edits that add, move and drop soft and hard constraints and whole components, at a tolerance
   // where the field must be right, and at one where single precision alone must tell the truth about its residual.
-  const auto first = surfaces::sphere(3);
+  const auto first = test::makeCharts(test::dividedIcosahedron(3));
   const ChartsPointer charts = together({first, annulus(12, 3)});
   const Index all = charts->mesh().vertexCount() - 1, some = first->mesh().vertexCount();
   std::vector<ConstraintSet> edits;

@@ -1,22 +1,23 @@
 #include "solver/detail/lambda_grid.h"
 
-#include <random>
-
 #include <gtest/gtest.h>
+
+#include <vector>
+
+#include "fixtures.h"
 
 namespace stormfield {
 namespace {
 
 /// A padded row of random complex values.
-std::vector<float> randomRow(const LambdaGrid& grid, std::mt19937& random) {
-  std::normal_distribution<float> normal;
+std::vector<float> randomRow(const LambdaGrid& grid, test::Random& random) {
   std::vector<float> row(grid.stride(), 0.0f);
-  for (Index k = 0; k < 2 * grid.samples(); ++k) row[k] = normal(random);
+  for (Index k = 0; k < 2 * grid.samples(); ++k) row[k] = static_cast<float>(random.uniform());
   return row;
 }
 
 TEST(LambdaGrid, InterpolatesLinearlyAndRestrictsWithTheAdjoint) {
-  std::mt19937 random(5);
+  test::Random random(5);
   for (Index samples = 4; samples <= 21; ++samples) {
     const LambdaGrid fine = finestLambdaGrid(samples), coarse = coarsened(fine);
     const std::vector<float> c = randomRow(coarse, random), f = randomRow(fine, random);

@@ -14,7 +14,7 @@ TEST(SpaceTimeSolver, ConvergesWithResolution) {
   Index samples = test::shortOrLong(26, 51);
   const Index coarsest = test::shortOrLong(6, 10);
   for (const Index n : {coarsest, 2 * coarsest, 4 * coarsest}) {
-    const ChartsPointer sphere = surfaces::sphere(n);
+    const ChartsPointer sphere = test::makeCharts(test::dividedIcosahedron(n));
     SpaceTimeOptions options;
     options.samples = samples;
     Progress progress;

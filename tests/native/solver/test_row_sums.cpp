@@ -2,25 +2,26 @@
 
 #include <array>
 #include <numeric>
-#include <random>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "fixtures.h"
+
 namespace stormfield::kernels {
 namespace {
 
 TEST(RowSums, GiveTheSameBitsOnAnyProcessor) {
-  std::mt19937 random(3);
-  std::normal_distribution<float> normal;
+  test::Random random(3);
+  const auto number = [&] { return static_cast<float>(random.uniform()); };
   for (const std::size_t stride : {8u, 24u, 40u, 200u}) {
     std::vector<float> x(7 * stride), own(stride), mass(stride), b(stride), line(stride + 4);
     for (auto* values : {&x, &own, &mass, &b, &line}) {
-      for (float& value : *values) value = normal(random);
+      for (float& value : *values) value = number();
     }
     std::vector<Coupling> couplings;
-    for (const Index column : {0, 3, 4, 6, 2}) couplings.push_back({column, normal(random), normal(random)});
+    for (const Index column : {0, 3, 4, 6, 2}) couplings.push_back({column, number(), number()});
     const Coupling* first = couplings.data();
     const Coupling* last = first + couplings.size();
     auto all = [&](const RowSums& sums) {

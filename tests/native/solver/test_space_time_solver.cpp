@@ -15,8 +15,8 @@ namespace {
 using namespace solving;
 
 TEST(SpaceTimeSolver, LeavesComponentsWithoutConstraintAtZero) {
-  const auto sphere = surfaces::sphere(3);
-  const ChartsPointer charts = together({sphere, annulus(12, 3), surfaces::torus(10, 6)});
+  const auto sphere = test::makeCharts(test::dividedIcosahedron(3));
+  const ChartsPointer charts = together({sphere, annulus(12, 3), test::makeCharts(test::torus(10, 6))});
   const Index first = sphere->mesh().vertexCount();
   ConstraintSet constraints;
   constraints.elementNames = {"ring"};
@@ -41,7 +41,7 @@ TEST(SpaceTimeSolver, LeavesComponentsWithoutConstraintAtZero) {
 }
 
 TEST(SpaceTimeSolver, GivesTheSameBitsForAnyThreadCount) {
-  const ChartsPointer sphere = surfaces::sphere(16);
+  const ChartsPointer sphere = test::makeCharts(test::dividedIcosahedron(16));
   const ConstraintSet constraints = storms::storms(*sphere, {.samples = 30});
   auto solve = [&](std::size_t threads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
@@ -54,7 +54,7 @@ TEST(SpaceTimeSolver, GivesTheSameBitsForAnyThreadCount) {
 }
 
 TEST(SpaceTimeSolver, StopsWithinATenthOfASecond) {
-  const ChartsPointer sphere = surfaces::sphere(test::shortOrLong(24, 40));
+  const ChartsPointer sphere = test::makeCharts(test::dividedIcosahedron(test::shortOrLong(24, 40)));
   SpaceTimeOptions options;
   options.tolerance = 1e-12;
   const SpaceTimeSolver solver(sphere, options);
@@ -75,7 +75,7 @@ TEST(SpaceTimeSolver, StopsWithinATenthOfASecond) {
 }
 
 TEST(SpaceTimeSolver, NamesWhatIsWrongWithConstraints) {
-  const ChartsPointer cube = surfaces::cube();
+  const ChartsPointer cube = test::makeCharts(test::cube());
   const SpaceTimeSolver solver(cube, {.samples = 5});
   auto messageOf = [&](const ConstraintSet& constraints) -> std::string {
     Progress progress;
@@ -116,7 +116,7 @@ TEST(SpaceTimeSolver, NamesWhatIsWrongWithConstraints) {
 }
 
 TEST(SpaceTimeSolver, RefusesConstraintsOnLooseVerticesOnly) {
-  const ChartsPointer charts = together({surfaces::sphere(3)});
+  const ChartsPointer charts = together({test::makeCharts(test::dividedIcosahedron(3))});
   ConstraintSet constraints;
   constraints.add(charts->mesh().vertexCount() - 1, 0, 1.0, 10.0, 0);
   Progress progress;
@@ -129,7 +129,7 @@ TEST(SpaceTimeSolver, RefusesConstraintsOnLooseVerticesOnly) {
 }
 
 TEST(SpaceTimeSolver, RefusesOptionsAndStartsThatDoNotFit) {
-  const ChartsPointer cube = surfaces::cube();
+  const ChartsPointer cube = test::makeCharts(test::cube());
   EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 0}), InputError);
   EXPECT_THROW(SpaceTimeSolver(cube, {.lambdaWeight = 0.0}), InputError);
   EXPECT_THROW(SpaceTimeSolver(cube, {.tolerance = 0.0}), InputError);
@@ -144,9 +144,11 @@ TEST(SpaceTimeSolver, RefusesOptionsAndStartsThatDoNotFit) {
   broken.values[5] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(SpaceTimeSolver(cube, {.samples = 3}).startFrom(broken), InputError);
   SpaceTimeOptions hopeless{.samples = 100, .tolerance = 1e-17};
-  EXPECT_THROW(SpaceTimeSolver(surfaces::sphere(5), hopeless).solve(constraints, progress), SolverError);
+  EXPECT_THROW(SpaceTimeSolver(test::makeCharts(test::dividedIcosahedron(5)), hopeless).solve(constraints, progress),
+               SolverError);
   const SpaceTimeOptions hasty{.samples = 100, .maxIterations = 1};
-  EXPECT_THROW(SpaceTimeSolver(surfaces::sphere(5), hasty).solve(constraints, progress), SolverError);
+  EXPECT_THROW(SpaceTimeSolver(test::makeCharts(test::dividedIcosahedron(5)), hasty).solve(constraints, progress),
+               SolverError);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ using namespace solving;
 TEST(SpaceTimeSolver, MeetsThesisEquationOnItsOwnGrid) {
   // An interior row of the system on the thesis's planar setting is a multiple of eq. 11.3: neighbours in lambda weigh
   // omega = 10 against spatial weights that add up to 1.
-  const ChartsPointer grid = surfaces::square(64);
+  const ChartsPointer grid = test::makeCharts(test::grid(64));
   const SurfaceMatrix matrix = connectionLaplacian(*grid).matrix;
   ASSERT_EQ(matrix.rows(), 65 * 65);
   const double coupling = SpaceTimeSolver::lambdaCoupling({});
@@ -31,7 +31,7 @@ TEST(SpaceTimeSolver, SolutionIsTheMeanOfItsNeighbours) {
   // Eq. 11.3 itself, on the solved field: V = (sum of w V_neighbour + 10 (V_before + V_after)) / 21. On another grid of
   // n x n cells and other samples the weight that gives 10 there is 10 (n / 64 * 99 / (samples - 1))^2.
   const Index n = test::shortOrLong(16, 64), samples = test::shortOrLong(34, 100);
-  const ChartsPointer grid = surfaces::square(n);
+  const ChartsPointer grid = test::makeCharts(test::grid(n));
   ConstraintSet constraints;
   constraints.elementNames = {"corner", "middle"};
   constraints.add(0, 0, 1.0, kHard, 0);

@@ -7,7 +7,7 @@ namespace {
 using namespace solving;
 
 TEST(SpaceTimeSolver, WarmStartReachesTheSameFieldInFewerSteps) {
-  const ChartsPointer sphere = surfaces::sphere(12);
+  const ChartsPointer sphere = test::makeCharts(test::dividedIcosahedron(12));
   SpaceTimeOptions options;
   options.samples = 40;
   const SpaceTimeSolver solver(sphere, options);
@@ -55,7 +55,8 @@ double meanDifference(const ParameterizedField& a, const ParameterizedField& b) 
 
 TEST(SpaceTimeSolver, FieldsAreAsCloseToTheExactOnesAsTheySay) {
   // Heavy constraints and light ones, edits small and large: a residual within the tolerance would not be enough.
-  for (const auto& charts : {surfaces::sphere(10), surfaces::torus(28, 13, 0.4, 0.2)}) {
+  for (const auto& charts :
+       {test::makeCharts(test::dividedIcosahedron(10)), test::makeCharts(test::torus(28, 13, 1.0, 0.4, 0.2))}) {
     for (const double weight : {1e3, 4e5}) {
       const SpaceTimeSolver solver(charts, {.samples = 30}), exactly(charts, {.samples = 30, .tolerance = 1e-10});
       SpaceTimeState state, exactState;
@@ -78,7 +79,7 @@ TEST(SpaceTimeSolver, FieldsAreAsCloseToTheExactOnesAsTheySay) {
 
 TEST(SpaceTimeSolver, SmallEditsDoNotAddUp) {
   // Each of them moves the storm by less than the tolerance sees.
-  const ChartsPointer sphere = surfaces::sphere(10);
+  const ChartsPointer sphere = test::makeCharts(test::dividedIcosahedron(10));
   const SpaceTimeSolver solver(sphere, {.samples = 20, .tolerance = 0.1}), exactly(sphere, {.samples = 20});
   SpaceTimeState state;
   Progress progress;
@@ -93,7 +94,7 @@ TEST(SpaceTimeSolver, SmallEditsDoNotAddUp) {
 }
 
 TEST(SpaceTimeSolver, StateOutlivesACancelledSolveAndKnowsItsSolver) {
-  const ChartsPointer sphere = surfaces::sphere(8);
+  const ChartsPointer sphere = test::makeCharts(test::dividedIcosahedron(8));
   const SpaceTimeSolver solver(sphere, {.samples = 20});
   const ConstraintSet before = storms::storms(*sphere, {.samples = 20});
   const ConstraintSet after = storms::storms(*sphere, {.samples = 20, .shift = 0.1});

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "../tracing/surfaces.h"
 #include "base/error.h"
+#include "fixtures.h"
 #include "long_tests.h"
 #include "texture/stagger.h"
 
@@ -24,7 +24,7 @@ std::shared_ptr<const ParameterizedField> shared(const std::vector<VectorField>&
 }
 
 struct Scene {
-  surfaces::ChartsPointer charts;
+  test::ChartsPointer charts;
   std::shared_ptr<const FlatFaces> faces;
   std::shared_ptr<const ParameterizedField> field;
 
@@ -37,8 +37,9 @@ struct Scene {
 };
 
 Scene stormy(Index n = 10) {
-  const auto charts = surfaces::sphere(n);
-  return Scene({surfaces::swirlField(charts), surfaces::swirlField(charts, 1.0), surfaces::swirlField(charts, 2.5)});
+  const auto charts = test::makeCharts(test::dividedIcosahedron(n));
+  return Scene({sampled(charts, analytic::swirl()), sampled(charts, analytic::swirl(1.0)),
+                sampled(charts, analytic::swirl(2.5))});
 }
 
 Vec3 row(const std::vector<float>& a, Index v) {
@@ -56,19 +57,19 @@ TEST(BlendWeight, IsExactlyZeroAndOneInTheDeadZones) {
 }
 
 TEST(Stagger, IsSmoothWellMixedAndRespectsTheDeadZone) {
-  const auto fine = surfaces::sphere(24);
+  const auto fine = test::makeCharts(test::dividedIcosahedron(24));
   const auto offsets = stagger(fine->mesh(), {.cycles = 1.0, .frequency = 1.5}, 0.1);
   const auto [low, high] = std::minmax_element(offsets.begin(), offsets.end());
   EXPECT_GT(*high - *low, 0.5);
   EXPECT_LT(largestStaggerStep(fine->mesh(), offsets).difference, 0.1);
-  const auto coarse = surfaces::sphere(1);
+  const auto coarse = test::makeCharts(test::dividedIcosahedron(1));
   EXPECT_LE(largestStaggerStep(coarse->mesh(), stagger(coarse->mesh(), {}, 0.05)).difference, 0.05 * (1 + 1e-12));
   EXPECT_NE(stagger(fine->mesh(), {.seed = 1}, 0.1), offsets);
 }
 
 TEST(AdvectedCoordinates, RotationOfASphereTurnsThemBack) {
-  const auto charts = surfaces::sphere(24);
-  const Scene scene({surfaces::sampled(charts, [](const Vec3& p) { return Vec3(Vec3::UnitZ().cross(p)); })});
+  const auto charts = test::makeCharts(test::dividedIcosahedron(24));
+  const Scene scene({sampled(charts, [](const Vec3& p) { return Vec3(Vec3::UnitZ().cross(p)); })});
   const AdvectionOptions options{.period = 40.0, .speed = 0.5, .renewal = 0.0};
   const AdvectedCoordinates coordinates = scene.coordinates(options);
   const AdvectedFrame frame = coordinates.frame(33.0);
@@ -152,8 +153,8 @@ TEST(AdvectedCoordinates, ErrorIsFarBelowAnEdge) {
 }
 
 TEST(AdvectedCoordinates, InflowStaysOnTheBoundary) {
-  const auto charts = surfaces::square(10, 0.2);
-  const Scene scene({surfaces::sampled(charts, [](const Vec3&) { return Vec3(1.0, 0.0, 0.0); })});
+  const auto charts = test::makeCharts(test::grid(10, 0.2));
+  const Scene scene({sampled(charts, [](const Vec3&) { return Vec3(1.0, 0.0, 0.0); })});
   const AdvectedFrame frame = scene.coordinates({.period = 48.0, .renewal = 0.0}).frame(20.0);
   for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
     EXPECT_GE(row(frame.phaseA, v).x(), -1.0);

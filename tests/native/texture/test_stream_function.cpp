@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "../tracing/surfaces.h"
 #include "base/error.h"
+#include "fixtures.h"
 #include "tracing/streamline.h"
 
 namespace stormfield {
@@ -20,8 +20,8 @@ double atPoint(const TriangleMesh& mesh, const std::vector<double>& psi, const S
 TEST(StreamFunction, RotationOfASphereIsHeight) {
   double previous = 1.0;
   for (const Index n : {6, 12, 24}) {
-    const auto charts = surfaces::sphere(n);
-    const VectorField field = surfaces::sampled(charts, [](const Vec3& p) { return Vec3(Vec3::UnitZ().cross(p)); });
+    const auto charts = test::makeCharts(test::dividedIcosahedron(n));
+    const VectorField field = sampled(charts, [](const Vec3& p) { return Vec3(Vec3::UnitZ().cross(p)); });
     const auto psi = StreamFunctionSolver(charts).solve(field.values.data());
     double worst = 0.0;
     for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
@@ -34,21 +34,20 @@ TEST(StreamFunction, RotationOfASphereIsHeight) {
 }
 
 TEST(StreamFunction, GradientFieldsHaveNone) {
-  const auto charts = surfaces::sphere(16);
-  const VectorField field =
-      surfaces::sampled(charts, [](const Vec3& p) { return Vec3(1.0 - p.x() * p.x(), 0.0, 0.0); });
+  const auto charts = test::makeCharts(test::dividedIcosahedron(16));
+  const VectorField field = sampled(charts, [](const Vec3& p) { return Vec3(1.0 - p.x() * p.x(), 0.0, 0.0); });
   for (const double psi : StreamFunctionSolver(charts).solve(field.values.data())) EXPECT_NEAR(psi, 0.0, 0.02);
 }
 
 TEST(StreamFunction, StreamlinesFollowItsLevels) {
   // The divergence-free field of a known stream function with six extrema.
-  const auto charts = surfaces::sphere(32);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(32));
   const auto known = [](const Vec3& p) { return p.x() * p.x() + 0.5 * p.y() * p.y() * p.z(); };
-  const VectorField field = surfaces::sampled(
+  const VectorField field = sampled(
       charts, [](const Vec3& p) { return Vec3(Vec3(2.0 * p.x(), p.y() * p.z(), 0.5 * p.y() * p.y()).cross(p)); });
   const auto psi = StreamFunctionSolver(charts).solve(field.values.data());
   const FlatFaces faces(charts);
-  for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 100, 3)) {
+  for (const SurfacePoint& seed : test::randomSeeds(charts->mesh(), 100, 3)) {
     const TraceEnd end = traceStreamline(faces, field, seed, {.maxLength = 1.0});
     EXPECT_NEAR(atPoint(charts->mesh(), psi, end.point), atPoint(charts->mesh(), psi, seed), 0.003);
     const Vec3 a = position(charts->mesh(), seed).normalized(), b = position(charts->mesh(), end.point).normalized();
@@ -58,14 +57,14 @@ TEST(StreamFunction, StreamlinesFollowItsLevels) {
 
 TEST(StreamFunction, HoldsOnPlanesAndEveryComponent) {
   // Two squares side by side: shear flow (-y, 0) has psi = -y^2 / 2 with mean zero on each.
-  const auto one = surfaces::square(12, 0.2);
+  const auto one = test::makeCharts(test::grid(12, 0.2));
   const Index n = one->mesh().vertexCount();
   Points points(2 * n, 3);
   points << one->mesh().points(), one->mesh().points().rowwise() + Eigen::RowVector3d(5.0, 0.0, 0.0);
   Triangles triangles(2 * one->mesh().faceCount(), 3);
   triangles << one->mesh().triangles(), one->mesh().triangles().array() + n;
-  const auto charts = surfaces::charts(points, triangles);
-  const VectorField field = surfaces::sampled(charts, [](const Vec3& p) { return Vec3(-p.y(), 0.0, 0.0); });
+  const auto charts = test::makeCharts({points, triangles});
+  const VectorField field = sampled(charts, [](const Vec3& p) { return Vec3(-p.y(), 0.0, 0.0); });
   const auto psi = StreamFunctionSolver(charts).solve(field.values.data());
   for (Index v = 0; v < 2 * n; ++v) {
     EXPECT_NEAR(psi[v], 1.0 / 6.0 - 0.5 * std::pow(points(v, 1), 2), 0.02);
@@ -73,8 +72,8 @@ TEST(StreamFunction, HoldsOnPlanesAndEveryComponent) {
 }
 
 TEST(StreamFunction, IsLinearAndTheSameForSequences) {
-  const auto charts = surfaces::torus(20, 12, 0.4, 0.2);
-  const VectorField a = surfaces::swirlField(charts), b = surfaces::swirlField(charts, 1.0);
+  const auto charts = test::makeCharts(test::torus(20, 12, 1.0, 0.4, 0.2));
+  const VectorField a = sampled(charts, analytic::swirl()), b = sampled(charts, analytic::swirl(1.0));
   std::vector<Complex> values = a.values;
   values.insert(values.end(), b.values.begin(), b.values.end());
   const ParameterizedField field{charts, {0.0, 1.0}, values};

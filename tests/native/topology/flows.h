@@ -2,29 +2,22 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
 
+#include "field/analytic_fields.h"
 #include "fixtures.h"
 #include "topology/topology.h"
 
 namespace stormfield::test {
 
-using SpaceFunction = std::function<Vec3(const Vec3&)>;
+using analytic::equation31;
 
-inline VectorField sampledOn(const Surface& s, const SpaceFunction& function) {
-  Points vectors(s.points.rows(), 3);
-  for (Eigen::Index v = 0; v < vectors.rows(); ++v) vectors.row(v) = function(s.points.row(v));
-  return fromSpace(makeCharts(s), vectors);
+inline VectorField sampledOn(const Surface& s, const SpaceField& field) {
+  return sampled(makeCharts(s), field);
 }
 
 inline Surface scaled(Surface s, double factor) {
   s.points *= factor;
   return s;
-}
-
-/// Thesis equation 3.1: exactly n periodic orbits inside the radius (n + 1) pi.
-inline Vec3 equation31(const Vec3& p) {
-  return {p.y(), -p.x() + p.y() * std::cos(p.x()), 0.0};
 }
 
 /// Waves of a few lengths in random directions.

@@ -102,18 +102,10 @@ TEST(PeriodicOrbits, OfEquation31HaveTheRightRadii) {
   }
 }
 
-/// r' = growth r - r^3, angle' = turning.
-SpaceFunction hopf(double growth, double turning) {
-  return [=](const Vec3& p) {
-    const double radial = growth - p.squaredNorm();
-    return Vec3(radial * p.x() - turning * p.y(), radial * p.y() + turning * p.x(), 0.0);
-  };
-}
-
 TEST(PeriodicOrbits, OfHopfNormalForms) {
   for (const double turning : {1.0, -0.7}) {
     for (const double growth : {0.2, 0.5}) {
-      const VectorField field = sampledOn(grid(shortOrLong(100, 200), 0.2), hopf(growth, turning));
+      const VectorField field = sampledOn(grid(shortOrLong(100, 200), 0.2), analytic::hopf(growth, turning));
       const Topology topology = topologyOf(field);
       const std::string what = message("growth ", growth, ", turning ", turning);
       ASSERT_EQ(topology.periodicOrbits.size(), 1u) << what;
@@ -132,7 +124,7 @@ TEST(PeriodicOrbits, OfHopfNormalForms) {
 }
 
 TEST(PeriodicOrbits, BeforeAHopfBifurcationAreNone) {
-  const Topology topology = topologyOf(sampledOn(grid(60, 0.2), hopf(-0.1, 1.0)));
+  const Topology topology = topologyOf(sampledOn(grid(60, 0.2), analytic::hopf(-0.1, 1.0)));
   EXPECT_TRUE(topology.periodicOrbits.empty());
   EXPECT_EQ(topology.fixedPoints[0].kind, FixedPointKind::Sink);
 }

@@ -267,7 +267,7 @@ TEST(Topology, OfFieldsWithoutDirection) {
   const auto constant = [](const Vec3&) { return Vec3(1.0, 0.0, 0.0); };
   EXPECT_EQ(topologyOf(zeroField(makeCharts(s))).zeros.faces, makeMesh(s)->faceCount());
   EXPECT_EQ(topologyOf(zeroField(makeCharts(s))).zeros.vertices, makeMesh(s)->vertexCount());
-  for (const SpaceFunction& f : std::vector<SpaceFunction>{axis, half, constant}) {
+  for (const SpaceField& f : std::vector<SpaceField>{axis, half, constant}) {
     const VectorField field = sampledOn(grid(12), f);
     const Topology topology = topologyOf(field);
     int twice = 0;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "surfaces.h"
+#include "fixtures.h"
 #include "tracing/streamline.h"
 
 namespace stormfield {
@@ -15,20 +15,20 @@ struct Comparison {
 };
 
 /// Steps from random points of sides and of faces, against the other integrator with a tolerance out of reach.
-Comparison compare(const surfaces::ChartsPointer& charts, const VectorField& field, double tolerance) {
+Comparison compare(const test::ChartsPointer& charts, const VectorField& field, double tolerance) {
   const TriangleMesh& mesh = charts->mesh();
   const FlatFaces faces(charts);
   const double edge = mesh.meanEdgeLength();
   const StepLimits limits{tolerance * edge, 1e-4, 0.0};
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  test::Random random(1);
+  const auto unit = [&] { return random.uniform(0.0, 1.0); };
   // Out of reach of steps in closed form, so that the other integrator takes it.
   const double reference = std::min(1e-10, 1e-4 * tolerance);
   Comparison result;
-  for (SurfacePoint seed : surfaces::randomSeeds(mesh, 3000, 2)) {
+  for (SurfacePoint seed : test::randomSeeds(mesh, 3000, 2)) {
     SidePoint entry;
-    if (unit(random) < 0.8) {
-      entry = {static_cast<int>(random() % 3), unit(random)};
+    if (unit() < 0.8) {
+      entry = {random.below(3), unit()};
       seed.barycentric.setZero();
       seed.barycentric[entry.side] = 1.0 - entry.fraction;
       seed.barycentric[(entry.side + 1) % 3] = entry.fraction;
@@ -57,14 +57,14 @@ Comparison compare(const surfaces::ChartsPointer& charts, const VectorField& fie
 
 TEST(FacePath, ErrorsAreWithinTheTolerance) {
   for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
-    const auto sphere = surfaces::sphere(20);
-    const Comparison smooth = compare(sphere, surfaces::swirlField(sphere), tolerance);
+    const auto sphere = test::makeCharts(test::dividedIcosahedron(20));
+    const Comparison smooth = compare(sphere, sampled(sphere, analytic::swirl()), tolerance);
     EXPECT_GT(smooth.steps, 1500);  // half of the points on sides do not flow into the face
     EXPECT_LE(smooth.worse, 0.002 * smooth.steps);
     EXPECT_LT(smooth.worst, 5.0);
     // Twists of a tenth of a radian, faces of all shapes.
-    const auto torus = surfaces::torus(40, 20, 0.4, 0.3);
-    const Comparison rough = compare(torus, surfaces::swirlField(torus), tolerance);
+    const auto torus = test::makeCharts(test::torus(40, 20, 1.0, 0.4, 0.3));
+    const Comparison rough = compare(torus, sampled(torus, analytic::swirl()), tolerance);
     EXPECT_GT(rough.steps, 1500);
     EXPECT_LE(rough.worse, 0.05 * rough.steps);
     EXPECT_LT(rough.worst, 50.0);
@@ -72,22 +72,22 @@ TEST(FacePath, ErrorsAreWithinTheTolerance) {
 }
 
 TEST(FacePath, MostFacesOfASmoothFieldTakeOneStep) {
-  const auto charts = surfaces::sphere(40);
-  const Comparison c = compare(charts, surfaces::swirlField(charts), 1e-6);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(40));
+  const Comparison c = compare(charts, sampled(charts, analytic::swirl()), 1e-6);
   EXPECT_LT(c.partial, 0.1 * c.steps);
 }
 
 TEST(FacePath, PlanarFieldsAreExact) {
-  const auto charts = surfaces::square(12, 0.3);
+  const auto charts = test::makeCharts(test::grid(12, 0.3));
   const VectorField field =
-      surfaces::sampled(charts, [](const Vec3& p) { return Vec3(0.3 + 0.2 * p.y(), 0.2 - 0.1 * p.x(), 0.0); });
+      sampled(charts, [](const Vec3& p) { return Vec3(0.3 + 0.2 * p.y(), 0.2 - 0.1 * p.x(), 0.0); });
   const Comparison c = compare(charts, field, 1e-9);
   EXPECT_GT(c.steps, 1500);
   EXPECT_LT(c.worst, 0.1);
 }
 
 TEST(FacePath, RefusesRestAndCorners) {
-  const auto charts = surfaces::sphere(4);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(4));
   const FlatFaces faces(charts);
   FaceStep step;
   const StepLimits limits{1e-6, 1e-4, 1e-12};
@@ -97,13 +97,13 @@ TEST(FacePath, RefusesRestAndCorners) {
 }
 
 TEST(FacePath, PathsThatTurnRoundEndInside) {
-  const auto charts = surfaces::square(2);
+  const auto charts = test::makeCharts(test::grid(2));
   const TriangleMesh& mesh = charts->mesh();
   const FlatFaces faces(charts);
   // Half circles, in over a side and out over the same.
   const Vec3 center = position(mesh, {0, {0.5, 0.5, 0.0}});
   const VectorField field =
-      surfaces::sampled(charts, [&](const Vec3& p) { return Vec3(center.y() - p.y(), p.x() - center.x(), 0.0); });
+      sampled(charts, [&](const Vec3& p) { return Vec3(center.y() - p.y(), p.x() - center.x(), 0.0); });
   const auto value = [&](int corner) { return field.values[mesh.vertex(0, corner)]; };
   const FaceFlow flow(faces[0], {value(0), value(1), value(2)});
   for (const double away : {0.05, 0.1, 0.2}) {
@@ -121,7 +121,7 @@ TEST(FacePath, PathsThatTurnRoundEndInside) {
 }
 
 TEST(FacePath, EndsAfterTheLongestDuration) {
-  const auto charts = surfaces::sphere(4);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(4));
   const FlatFaces faces(charts);
   FaceStep step;
   const Eigen::Vector3d middle(0.3, 0.3, 0.4);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "surfaces.h"
+#include "fixtures.h"
 
 namespace stormfield {
 namespace {
@@ -25,8 +25,8 @@ bool same(const Gone& a, const Gone& b) {
 
 TEST(FaceSteps, ManyParticlesGoWhereEachGoesAlone) {
   // Of faces all alike in size and curvature, the correction is near the tolerance: it is left out in some.
-  const auto charts = surfaces::sphere(12);
-  const VectorField field = surfaces::swirlField(charts);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(12));
+  const VectorField field = sampled(charts, analytic::swirl());
   const TriangleMesh& mesh = charts->mesh();
   const FlatFaces faces(charts);
   std::vector<double> bends;
@@ -39,7 +39,7 @@ TEST(FaceSteps, ManyParticlesGoWhereEachGoesAlone) {
   std::nth_element(bends.begin(), bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2), bends.end());
   const StepLimits limits{10.0 * bends[bends.size() / 2], 1e-1, 0.0};
 
-  const auto seeds = surfaces::randomSeeds(mesh, 1000, 3);
+  const auto seeds = test::randomSeeds(mesh, 1000, 3);
   std::vector<Gone> alone(seeds.size()), together(seeds.size());
   std::size_t flat = 0;
   for (std::size_t i = 0; i < seeds.size(); ++i) {

@@ -1,18 +1,18 @@
 #include <gtest/gtest.h>
 
 #include "field/interpolation.h"
-#include "surfaces.h"
+#include "fixtures.h"
 #include "tracing/flat_faces.h"
 
 namespace stormfield {
 namespace {
 
 /// Largest difference to the reference interpolation, as a fraction of the face's fastest vertex.
-double worstDifference(const surfaces::ChartsPointer& charts) {
-  const VectorField field = surfaces::randomField(charts, 3);
+double worstDifference(const test::ChartsPointer& charts) {
+  const VectorField field = test::randomField(charts, 3);
   const FlatFaces faces(charts);
   double worst = 0.0;
-  for (const SurfacePoint& p : surfaces::randomSeeds(charts->mesh(), 3000, 5)) {
+  for (const SurfacePoint& p : test::randomSeeds(charts->mesh(), 3000, 5)) {
     const FaceInterpolant reference = faceInterpolant(field, p.face);
     const FlatFace& face = faces[p.face];
     const auto value = [&](int i) { return field.values[charts->mesh().vertex(p.face, i)]; };
@@ -27,16 +27,16 @@ double worstDifference(const surfaces::ChartsPointer& charts) {
 }
 
 TEST(FlatFaces, AgreeWithTheReferenceInterpolation) {
-  EXPECT_LT(worstDifference(surfaces::sphere(12)), 1e-8);
-  EXPECT_LT(worstDifference(surfaces::torus(24, 12, 0.4, 0.3)), 2e-7);
-  EXPECT_LT(worstDifference(surfaces::cube()), 1e-6);
-  EXPECT_LT(worstDifference(surfaces::square(9, 0.3)), 1e-14);
+  EXPECT_LT(worstDifference(test::makeCharts(test::dividedIcosahedron(12))), 1e-8);
+  EXPECT_LT(worstDifference(test::makeCharts(test::torus(24, 12, 1.0, 0.4, 0.3))), 2e-7);
+  EXPECT_LT(worstDifference(test::makeCharts(test::cube())), 1e-6);
+  EXPECT_LT(worstDifference(test::makeCharts(test::grid(9, 0.3))), 1e-14);
 }
 
 TEST(FlatFaces, ScaleOfTheMeshDoesNotMatter) {
   for (const double scale : {1e-12, 1e12}) {
-    const auto unit = surfaces::sphere(4);
-    EXPECT_LT(worstDifference(surfaces::charts(unit->mesh().points() * scale, unit->mesh().triangles())), 1e-7);
+    const auto unit = test::makeCharts(test::dividedIcosahedron(4));
+    EXPECT_LT(worstDifference(test::makeCharts({unit->mesh().points() * scale, unit->mesh().triangles()})), 1e-7);
   }
 }
 

@@ -4,8 +4,8 @@
 #include <tbb/global_control.h>
 
 #include "base/error.h"
+#include "fixtures.h"
 #include "mesh/closest_point.h"
-#include "surfaces.h"
 #include "tracing/streamline.h"
 
 namespace stormfield {
@@ -17,7 +17,7 @@ Vec3 at(const FlatFaces& faces, const SurfacePoint& p) {
 
 /// A field with its faces, followed along lambda = t for 0 <= t <= 1.
 struct Scene {
-  explicit Scene(const surfaces::ChartsPointer& charts, const std::vector<VectorField>& samples)
+  explicit Scene(const test::ChartsPointer& charts, const std::vector<VectorField>& samples)
       : faces(charts), field{charts, {}, {}} {
     std::vector<Complex> values;
     for (std::size_t j = 0; j < samples.size(); ++j) {
@@ -34,18 +34,18 @@ struct Scene {
 };
 
 Scene swirl(int samples) {
-  const auto charts = surfaces::torus(40, 20, 0.4, 0.2);
+  const auto charts = test::makeCharts(test::torus(40, 20, 1.0, 0.4, 0.2));
   std::vector<VectorField> fields;
-  for (int j = 0; j < samples; ++j) fields.push_back(surfaces::swirlField(charts, 0.4 * j));
+  for (int j = 0; j < samples; ++j) fields.push_back(sampled(charts, analytic::swirl(0.4 * j)));
   return Scene(charts, fields);
 }
 
 TEST(ParticleLines, AFieldConstantInLambdaMakesTheFourCurvesAgree) {
-  const auto charts = surfaces::torus(40, 20, 0.4, 0.2);
-  const VectorField steady = surfaces::swirlField(charts);
+  const auto charts = test::makeCharts(test::torus(40, 20, 1.0, 0.4, 0.2));
+  const VectorField steady = sampled(charts, analytic::swirl());
   const Scene scene(charts, {steady, steady, steady});
   const auto flow = scene.flow();
-  const auto seeds = surfaces::randomSeeds(charts->mesh(), 20, 3);
+  const auto seeds = test::randomSeeds(charts->mesh(), 20, 3);
   LineOptions options;
   options.tolerance = 1e-9;
   options.interval = 0.05;
@@ -72,7 +72,7 @@ TEST(ParticleLines, EveryPointIsTheEndOfAPathline) {
   const Scene scene = swirl(4);
   const auto flow = scene.flow();
   const double edge = scene.faces.mesh().meanEdgeLength();
-  const auto seeds = surfaces::randomSeeds(scene.faces.mesh(), 8, 5);
+  const auto seeds = test::randomSeeds(scene.faces.mesh(), 8, 5);
   const auto lines = traceStreaklines(flow, seeds, 0.1, {0.3, 0.6, 0.9}, {.spacing = 0.5 * edge, .tolerance = 1e-9});
   for (const ParticleLines& line : lines) {
     for (std::size_t i = 0; i < seeds.size(); ++i) {
@@ -111,7 +111,7 @@ TEST(ParticleLines, ParticlesJoinWhereALineStretches) {
 
 TEST(ParticleLines, EarlierTimesDoNotChangeALine) {
   const Scene scene = swirl(3);
-  const auto seeds = surfaces::randomSeeds(scene.faces.mesh(), 1, 11);
+  const auto seeds = test::randomSeeds(scene.faces.mesh(), 1, 11);
   const auto curve = std::vector<SurfacePoint>{{7, {0.8, 0.1, 0.1}}, {7, {0.1, 0.1, 0.8}}};
   const LineOptions options{.spacing = 0.02, .tolerance = 1e-9};
   const auto direct = traceTimelines(scene.flow(), {curve}, 0.0, {0.7}, options);
@@ -131,9 +131,8 @@ TEST(ParticleLines, EarlierTimesDoNotChangeALine) {
 }
 
 TEST(ParticleLines, ParticlesStayWhereTheBoundaryStopsThem) {
-  const auto charts = surfaces::square(16);
-  const VectorField field =
-      surfaces::sampled(charts, [](const Vec3& p) { return Vec3(p.x() > 0.0 ? 1.0 : -1.0, 0.2, 0.0); });
+  const auto charts = test::makeCharts(test::grid(16));
+  const VectorField field = sampled(charts, [](const Vec3& p) { return Vec3(p.x() > 0.0 ? 1.0 : -1.0, 0.2, 0.0); });
   const Scene scene(charts, {field});
   const ClosestPointQuery query(charts->meshPointer());
   std::vector<SurfacePoint> curve;
@@ -147,7 +146,7 @@ TEST(ParticleLines, ParticlesStayWhereTheBoundaryStopsThem) {
 
 TEST(ParticleLines, SameForAnyNumberOfThreads) {
   const Scene scene = swirl(3);
-  const auto seeds = surfaces::randomSeeds(scene.faces.mesh(), 30, 4);
+  const auto seeds = test::randomSeeds(scene.faces.mesh(), 30, 4);
   const auto run = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return traceStreaklines(scene.flow(), seeds, 0.0, {0.5, 1.0}, {.spacing = 0.02});
@@ -165,7 +164,7 @@ TEST(ParticleLines, SameForAnyNumberOfThreads) {
 TEST(ParticleLines, RefuseBadInput) {
   const Scene scene = swirl(2);
   const auto flow = scene.flow();
-  const auto seeds = surfaces::randomSeeds(scene.faces.mesh(), 2, 1);
+  const auto seeds = test::randomSeeds(scene.faces.mesh(), 2, 1);
   EXPECT_THROW(traceStreaklines(flow, seeds, 0.5, {0.2}, {}), InputError);
   EXPECT_THROW(traceStreaklines(flow, seeds, 0.0, {0.4, 0.2}, {}), InputError);
   EXPECT_THROW(traceStreaklines(flow, seeds, 0.0, {1.0}, {.spacing = 0.0}), InputError);

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "surfaces.h"
+#include "fixtures.h"
 #include "tracing/streamline.h"
 
 namespace stormfield {
@@ -53,14 +53,14 @@ TEST(LambdaTrack, RefusesBadInput) {
 }
 
 TEST(Pathline, ConstantFieldAgreesWithStreamlines) {
-  const auto charts = surfaces::torus(30, 16, 0.4, 0.2);
+  const auto charts = test::makeCharts(test::torus(30, 16, 1.0, 0.4, 0.2));
   const FlatFaces faces(charts);
-  const VectorField steady = surfaces::swirlField(charts);
+  const VectorField steady = sampled(charts, analytic::swirl());
   const ParameterizedField field = blend({steady, steady, steady});
   const UnsteadyField flow(faces, field, {.times = {0.0, 0.3, 2.0}, .lambdas = {0.0, 1.0, 0.2}});
   for (const Direction direction : {Direction::Forward, Direction::Backward}) {
     const TraceOptions options{.direction = direction, .maxTime = 0.8, .tolerance = 1e-8};
-    const auto seeds = surfaces::randomSeeds(charts->mesh(), 200, 5);
+    const auto seeds = test::randomSeeds(charts->mesh(), 200, 5);
     std::vector<PathlineSeed> starts;
     for (const SurfacePoint& p : seeds) starts.push_back({p, 0.9});
     const auto lines = traceStreamlineEnds(faces, steady, seeds, options);
@@ -74,13 +74,13 @@ TEST(Pathline, ConstantFieldAgreesWithStreamlines) {
 }
 
 TEST(Pathline, LinearInTimeIsExactInThePlane) {
-  const auto charts = surfaces::square(12, 0.3);
+  const auto charts = test::makeCharts(test::grid(12, 0.3));
   const FlatFaces faces(charts);
   const Vec3 a(0.3, 0.0, 0.0), b(-0.1, 0.4, 0.0);
-  const auto constant = [&](const Vec3& v) { return surfaces::sampled(charts, [&](const Vec3&) { return v; }); };
+  const auto constant = [&](const Vec3& v) { return sampled(charts, [&](const Vec3&) { return v; }); };
   const ParameterizedField field = blend({constant(a), constant(b)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}}, 0.5);
-  for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 200, 2)) {
+  for (const SurfacePoint& seed : test::randomSeeds(charts->mesh(), 200, 2)) {
     if (position(charts->mesh(), seed).norm() > 0.6) continue;
     // From t = 0.25: the integral of (1 - s) a + s b, at half speed.
     const TraceEnd end = tracePathlineEnds(flow, {{seed, 0.25, 0.5}}, {}).front();
@@ -91,10 +91,10 @@ TEST(Pathline, LinearInTimeIsExactInThePlane) {
 }
 
 TEST(Pathline, ForwardThenBackwardReturnsAtVerticesToo) {
-  const auto charts = surfaces::sphere(12);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(12));
   const FlatFaces faces(charts);
-  const ParameterizedField field =
-      blend({surfaces::swirlField(charts), surfaces::swirlField(charts, 1.0), surfaces::swirlField(charts, 2.0)});
+  const ParameterizedField field = blend({sampled(charts, analytic::swirl()), sampled(charts, analytic::swirl(1.0)),
+                                          sampled(charts, analytic::swirl(2.0))});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
   std::vector<PathlineSeed> seeds;
   for (Index v = 0; v < charts->mesh().vertexCount(); v += 5)
@@ -109,10 +109,10 @@ TEST(Pathline, ForwardThenBackwardReturnsAtVerticesToo) {
 }
 
 TEST(Pathline, ParticleAtRestIsSetInMotion) {
-  const auto charts = surfaces::square(6);
+  const auto charts = test::makeCharts(test::grid(6));
   const FlatFaces faces(charts);
   const auto constant = [&](double speed) {
-    return surfaces::sampled(charts, [&](const Vec3&) { return Vec3(speed, 0.3 * speed, 0.0); });
+    return sampled(charts, [&](const Vec3&) { return Vec3(speed, 0.3 * speed, 0.0); });
   };
   const ParameterizedField field = blend({constant(0.0), constant(0.0), constant(0.4)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
@@ -126,10 +126,10 @@ TEST(Pathline, ParticleAtRestIsSetInMotion) {
 }
 
 TEST(Pathline, WaitsAtACornerOfTheBoundaryUntilTheFlowTurns) {
-  const auto charts = surfaces::square(6);
+  const auto charts = test::makeCharts(test::grid(6));
   const FlatFaces faces(charts);
   const auto constant = [&](double x, double y) {
-    return surfaces::sampled(charts, [=](const Vec3&) { return Vec3(x, y, 0.0); });
+    return sampled(charts, [=](const Vec3&) { return Vec3(x, y, 0.0); });
   };
   const ParameterizedField field = blend({constant(1.0, 1.0), constant(-1.0, -1.0)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
@@ -140,16 +140,17 @@ TEST(Pathline, WaitsAtACornerOfTheBoundaryUntilTheFlowTurns) {
 }
 
 TEST(Pathline, NeverLoopsForEver) {
-  const std::vector<surfaces::ChartsPointer> meshes = {surfaces::sphere(5), surfaces::cube(),
-                                                       surfaces::square(9, 0.45)};
+  const std::vector<test::ChartsPointer> meshes = {test::makeCharts(test::dividedIcosahedron(5)),
+                                                   test::makeCharts(test::cube()),
+                                                   test::makeCharts(test::grid(9, 0.45))};
   for (unsigned run = 0; run < 12; ++run) {
     const auto& charts = meshes[run % meshes.size()];
     const FlatFaces faces(charts);
-    const ParameterizedField field = blend({surfaces::randomField(charts, run), surfaces::randomField(charts, run + 50),
-                                            surfaces::randomField(charts, run + 99)});
+    const ParameterizedField field = blend(
+        {test::randomField(charts, run), test::randomField(charts, run + 50), test::randomField(charts, run + 99)});
     const UnsteadyField flow(faces, field, {.times = {0.0, 1.0, 1.5}, .lambdas = {0.0, 1.0, 0.3}});
     std::vector<PathlineSeed> seeds;
-    for (const SurfacePoint& p : surfaces::randomSeeds(charts->mesh(), 100, run)) seeds.push_back({p, 2.0, 2.5});
+    for (const SurfacePoint& p : test::randomSeeds(charts->mesh(), 100, run)) seeds.push_back({p, 2.0, 2.5});
     for (Index v = 0; v < charts->mesh().vertexCount(); ++v)
       seeds.push_back({vertexPoint(charts->mesh(), v), 2.0, 2.5});
     for (const BoundaryRule rule : {BoundaryRule::Stop, BoundaryRule::Slide}) {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "surfaces.h"
+#include "fixtures.h"
 #include "tracing/integrator.h"
 
 namespace stormfield {
@@ -20,16 +20,16 @@ double distanceInEdges(const FlatFaces& faces, const SurfacePoint& a, const Surf
   return (at(faces, a) - at(faces, b)).norm() / faces.mesh().meanEdgeLength();
 }
 
-VectorField rotation(const surfaces::ChartsPointer& charts) {
-  return surfaces::sampled(charts, [](const Vec3& p) { return Vec3(Vec3::UnitZ().cross(p)); });
+VectorField rotation(const test::ChartsPointer& charts) {
+  return sampled(charts, [](const Vec3& p) { return Vec3(Vec3::UnitZ().cross(p)); });
 }
 
 TEST(Streamline, ConstantPlanarFieldIsExact) {
-  const auto charts = surfaces::square(16, 0.3);
+  const auto charts = test::makeCharts(test::grid(16, 0.3));
   const FlatFaces faces(charts);
   const Vec3 velocity(0.3, 0.2, 0.0);
-  const VectorField field = surfaces::sampled(charts, [&](const Vec3&) { return velocity; });
-  for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 200, 1)) {
+  const VectorField field = sampled(charts, [&](const Vec3&) { return velocity; });
+  for (const SurfacePoint& seed : test::randomSeeds(charts->mesh(), 200, 1)) {
     const TraceEnd end = traceStreamline(faces, field, seed, {.maxTime = 0.8});
     const bool left = end.reason == StopReason::Boundary;
     EXPECT_TRUE(left || end.time == 0.8);
@@ -41,10 +41,10 @@ TEST(Streamline, ConstantPlanarFieldIsExact) {
 
 TEST(Streamline, AlongEdgesAndThroughVertices) {
   // Edges of the regular square run along x, y and the diagonal; all seeds are vertices or lie on edges.
-  const auto charts = surfaces::square(8);
+  const auto charts = test::makeCharts(test::grid(8));
   const FlatFaces faces(charts);
   for (const Vec3& velocity : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(1, 1, 0), Vec3(-1, -1, 0), Vec3(1, 2, 0)}) {
-    const VectorField field = surfaces::sampled(charts, [&](const Vec3&) { return velocity; });
+    const VectorField field = sampled(charts, [&](const Vec3&) { return velocity; });
     for (Index f = 0; f < charts->mesh().faceCount(); ++f) {
       for (const Eigen::Vector3d& b :
            {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 0.5, 0.5), Eigen::Vector3d(0, 1, 0)}) {
@@ -60,10 +60,10 @@ TEST(Streamline, AlongEdgesAndThroughVertices) {
 }
 
 TEST(Streamline, RotationOfASphereClosesWithTheRightPeriod) {
-  const auto charts = surfaces::sphere(24);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(24));
   const FlatFaces faces(charts);
   const VectorField field = rotation(charts);
-  for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 50, 2)) {
+  for (const SurfacePoint& seed : test::randomSeeds(charts->mesh(), 50, 2)) {
     const double radius = at(faces, seed).head<2>().norm();
     const TraceEnd end = traceStreamline(faces, field, seed, {.maxTime = 2.0 * std::numbers::pi});
     EXPECT_EQ(end.reason, StopReason::Time);
@@ -76,11 +76,11 @@ TEST(Streamline, RotationOfASphereClosesWithTheRightPeriod) {
 TEST(Streamline, ClosedCirclesCloseBetterOnFinerMeshes) {
   double previous = 1.0;
   for (const Index n : {8, 16, 32}) {
-    const auto charts = surfaces::sphere(n);
+    const auto charts = test::makeCharts(test::dividedIcosahedron(n));
     const FlatFaces faces(charts);
     const VectorField field = rotation(charts);
     double worst = 0.0;
-    for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 30, 4)) {
+    for (const SurfacePoint& seed : test::randomSeeds(charts->mesh(), 30, 4)) {
       const TraceEnd end = traceStreamline(faces, field, seed, {.maxTime = 2.0 * std::numbers::pi});
       worst = std::max(worst, (at(faces, end.point) - at(faces, seed)).norm());
     }
@@ -90,10 +90,11 @@ TEST(Streamline, ClosedCirclesCloseBetterOnFinerMeshes) {
 }
 
 TEST(Streamline, ForwardThenBackwardReturns) {
-  for (const auto& charts : {surfaces::sphere(16), surfaces::torus(40, 20, 0.4, 0.3)}) {
+  for (const auto& charts :
+       {test::makeCharts(test::dividedIcosahedron(16)), test::makeCharts(test::torus(40, 20, 1.0, 0.4, 0.3))}) {
     const FlatFaces faces(charts);
-    const VectorField field = surfaces::swirlField(charts);
-    for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 100, 3)) {
+    const VectorField field = sampled(charts, analytic::swirl());
+    for (const SurfacePoint& seed : test::randomSeeds(charts->mesh(), 100, 3)) {
       const TraceEnd there = traceStreamline(faces, field, seed, {.maxTime = 0.5, .tolerance = 1e-8});
       if (there.reason != StopReason::Time) continue;
       const TraceEnd back = traceStreamline(faces, field, there.point,
@@ -105,10 +106,10 @@ TEST(Streamline, ForwardThenBackwardReturns) {
 }
 
 TEST(Streamline, ErrorFollowsTheTolerance) {
-  const auto charts = surfaces::sphere(16);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(16));
   const FlatFaces faces(charts);
-  const VectorField field = surfaces::swirlField(charts);
-  const auto seeds = surfaces::randomSeeds(charts->mesh(), 200, 6);
+  const VectorField field = sampled(charts, analytic::swirl());
+  const auto seeds = test::randomSeeds(charts->mesh(), 200, 6);
   const auto exact = traceStreamlineEnds(faces, field, seeds, {.maxTime = 0.3, .tolerance = 1e-12});
   double previous = 1.0;
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
@@ -124,10 +125,10 @@ TEST(Streamline, ErrorFollowsTheTolerance) {
 }
 
 TEST(Streamline, SamePathFromBothSidesOfAnEdge) {
-  const auto charts = surfaces::torus(30, 16, 0.4, 0.3);
+  const auto charts = test::makeCharts(test::torus(30, 16, 1.0, 0.4, 0.3));
   const TriangleMesh& mesh = charts->mesh();
   const FlatFaces faces(charts);
-  const VectorField field = surfaces::swirlField(charts);
+  const VectorField field = sampled(charts, analytic::swirl());
   for (Index e = 0; e < mesh.edgeCount(); e += 7) {
     const Index h = mesh.edgeHalfedge(e), t = mesh.twin(h);
     SurfacePoint left{TriangleMesh::face(h), Eigen::Vector3d::Zero()},
@@ -141,16 +142,16 @@ TEST(Streamline, SamePathFromBothSidesOfAnEdge) {
 }
 
 TEST(Streamline, EndsAtAFixedPoint) {
-  const auto charts = surfaces::square(20, 0.2);
+  const auto charts = test::makeCharts(test::grid(20, 0.2));
   const FlatFaces faces(charts);
   // A spiral sink between vertices: linear, so that the mesh represents it exactly.
   const Vec3 center(0.03, -0.07, 0.0);
-  const VectorField field = surfaces::sampled(charts, [&](const Vec3& p) {
+  const VectorField field = sampled(charts, [&](const Vec3& p) {
     const Vec3 d = p - center;
     return Vec3(-d.x() - 2.0 * d.y(), 2.0 * d.x() - d.y(), 0.0);
   });
   for (const double tolerance : {1e-2, 1e-6}) {
-    for (const SurfacePoint& seed : surfaces::randomSeeds(charts->mesh(), 100, 8)) {
+    for (const SurfacePoint& seed : test::randomSeeds(charts->mesh(), 100, 8)) {
       if ((at(faces, seed) - center).norm() > 0.9) continue;
       const TraceEnd end = traceStreamline(faces, field, seed, {.tolerance = tolerance});
       EXPECT_EQ(end.reason, StopReason::MinSpeed);
@@ -161,11 +162,11 @@ TEST(Streamline, EndsAtAFixedPoint) {
 }
 
 TEST(Streamline, SlidesAlongTheBoundaryUntilTheFlowTurnsInwards) {
-  const auto charts = surfaces::square(10, 0.2);
+  const auto charts = test::makeCharts(test::grid(10, 0.2));
   const FlatFaces faces(charts);
   // To the right and away from y = 0 on the left half, back down on the right half.
-  const VectorField field = surfaces::sampled(charts, [](const Vec3& p) { return Vec3(0.5, -p.x(), 0.0); });
-  for (const SurfacePoint& s : surfaces::randomSeeds(charts->mesh(), 300, 9)) {
+  const VectorField field = sampled(charts, [](const Vec3& p) { return Vec3(0.5, -p.x(), 0.0); });
+  for (const SurfacePoint& s : test::randomSeeds(charts->mesh(), 300, 9)) {
     if (at(faces, s).y() < 0.95 || at(faces, s).x() > -0.5) continue;
     const TraceEnd stopped = traceStreamline(faces, field, s, {});
     EXPECT_EQ(stopped.reason, StopReason::Boundary);
@@ -183,13 +184,14 @@ TEST(Streamline, SlidesAlongTheBoundaryUntilTheFlowTurnsInwards) {
 }
 
 TEST(Streamline, NeverLeavesAndNeverLoopsForEver) {
-  const std::vector<surfaces::ChartsPointer> meshes = {surfaces::sphere(6), surfaces::torus(14, 9, 0.4, 0.45),
-                                                       surfaces::cube(), surfaces::square(12, 0.45)};
+  const std::vector<test::ChartsPointer> meshes = {
+      test::makeCharts(test::dividedIcosahedron(6)), test::makeCharts(test::torus(14, 9, 1.0, 0.4, 0.45)),
+      test::makeCharts(test::cube()), test::makeCharts(test::grid(12, 0.45))};
   for (unsigned run = 0; run < 40; ++run) {
     const auto& charts = meshes[run % meshes.size()];
     const FlatFaces faces(charts);
-    const VectorField field = surfaces::randomField(charts, run);
-    auto seeds = surfaces::randomSeeds(charts->mesh(), 100, run);
+    const VectorField field = test::randomField(charts, run);
+    auto seeds = test::randomSeeds(charts->mesh(), 100, run);
     for (Index v = 0; v < std::min(Index{50}, charts->mesh().vertexCount()); ++v) {
       seeds.push_back(vertexPoint(charts->mesh(), v));
     }
@@ -212,10 +214,10 @@ TEST(Streamline, NeverLeavesAndNeverLoopsForEver) {
 }
 
 TEST(Streamline, PathIsConnectedAndTimesIncrease) {
-  const auto charts = surfaces::torus(30, 16, 0.4, 0.2);
+  const auto charts = test::makeCharts(test::torus(30, 16, 1.0, 0.4, 0.2));
   const FlatFaces faces(charts);
-  const VectorField field = surfaces::swirlField(charts);
-  const Traces traces = traceStreamlines(faces, field, surfaces::randomSeeds(charts->mesh(), 200, 5), {.maxTime = 1.0});
+  const VectorField field = sampled(charts, analytic::swirl());
+  const Traces traces = traceStreamlines(faces, field, test::randomSeeds(charts->mesh(), 200, 5), {.maxTime = 1.0});
   const double longest = 4.0 * charts->mesh().meanEdgeLength();
   for (std::size_t i = 0; i < traces.ends.size(); ++i) {
     double length = 0.0;
@@ -231,7 +233,7 @@ TEST(Streamline, PathIsConnectedAndTimesIncrease) {
 }
 
 TEST(Streamline, MaxLengthIsMet) {
-  const auto charts = surfaces::sphere(10);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(10));
   const FlatFaces faces(charts);
   const VectorField field = rotation(charts);
   const SurfacePoint seed = vertexPoint(charts->mesh(), 7);
@@ -242,10 +244,10 @@ TEST(Streamline, MaxLengthIsMet) {
 }
 
 TEST(Streamline, SameForAnyNumberOfThreads) {
-  const auto charts = surfaces::torus(30, 16, 0.4, 0.2);
+  const auto charts = test::makeCharts(test::torus(30, 16, 1.0, 0.4, 0.2));
   const FlatFaces faces(charts);
-  const VectorField field = surfaces::swirlField(charts);
-  const auto seeds = surfaces::randomSeeds(charts->mesh(), 500, 5);
+  const VectorField field = sampled(charts, analytic::swirl());
+  const auto seeds = test::randomSeeds(charts->mesh(), 500, 5);
   const auto run = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return traceStreamlines(faces, field, seeds, {.maxTime = 1.0});
@@ -260,10 +262,10 @@ TEST(Streamline, SameForAnyNumberOfThreads) {
 }
 
 TEST(Streamline, SideBySideAsAlone) {
-  const auto charts = surfaces::torus(30, 16, 0.4, 0.2);
+  const auto charts = test::makeCharts(test::torus(30, 16, 1.0, 0.4, 0.2));
   const FlatFaces faces(charts);
-  const VectorField field = surfaces::swirlField(charts);
-  const auto seeds = surfaces::randomSeeds(charts->mesh(), 200, 5);
+  const VectorField field = sampled(charts, analytic::swirl());
+  const auto seeds = test::randomSeeds(charts->mesh(), 200, 5);
   const TraceOptions options{.maxTime = 1.0, .minSpeed = 0.0};
   const auto together = traceStreamlineEnds(faces, field, seeds, options);
   Integrator<SteadyFlow> integrator(faces, SteadyFlow(field.values.data(), 1.0), options, 0.0);
@@ -277,11 +279,10 @@ TEST(Streamline, SideBySideAsAlone) {
 }
 
 TEST(Streamline, FieldOfZerosStaysAtTheSeed) {
-  const auto charts = surfaces::sphere(3);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(3));
   const FlatFaces faces(charts);
   const VectorField field{charts, std::vector<Complex>(charts->mesh().vertexCount(), 0.0)};
-  for (const SurfacePoint& seed :
-       {vertexPoint(charts->mesh(), 4), surfaces::randomSeeds(charts->mesh(), 1, 1).front()}) {
+  for (const SurfacePoint& seed : {vertexPoint(charts->mesh(), 4), test::randomSeeds(charts->mesh(), 1, 1).front()}) {
     const TraceEnd end = traceStreamline(faces, field, seed, {});
     EXPECT_EQ(end.reason, StopReason::MinSpeed);
     EXPECT_NEAR((at(faces, end.point) - at(faces, seed)).norm(), 0.0, 1e-12);
@@ -289,7 +290,7 @@ TEST(Streamline, FieldOfZerosStaysAtTheSeed) {
 }
 
 TEST(Streamline, RefusesBadInput) {
-  const auto charts = surfaces::sphere(2);
+  const auto charts = test::makeCharts(test::dividedIcosahedron(2));
   const FlatFaces faces(charts);
   const VectorField field = rotation(charts);
   const SurfacePoint good = vertexPoint(charts->mesh(), 0);

@@ -96,7 +96,7 @@ TEST(TrackingPersistence, WorksAtBoundaries) {
 TEST(TrackingPersistence, AFoldBecomesOnePath) {
   // The zeros form the curve lambda = 0.5 + 4 x^3 - x / 4: a fold of x in +-0.144, of life 0.048.
   const auto charts = makeCharts(grid(64, 0.1));
-  const ParameterizedField field = parameterized(charts, evenLambdas(41), [](const Vec3& p, double l) -> Vec3 {
+  const ParameterizedField field = sampled(charts, evenLambdas(41), [](const Vec3& p, double l) -> Vec3 {
     return {l - 0.5 - 4.0 * p.x() * p.x() * p.x() + 0.25 * p.x(), -(p.y() - 0.01), 0.0};
   });
   const Tracking all = track(field);
@@ -114,7 +114,7 @@ TEST(TrackingPersistence, AFoldBecomesOnePath) {
 
 TEST(TrackingPersistence, LeavesOutTheWeak) {
   const auto charts = makeCharts(grid(16, 0.1));
-  const ParameterizedField field = parameterized(charts, evenLambdas(3), [](const Vec3& p, double) -> Vec3 {
+  const ParameterizedField field = sampled(charts, evenLambdas(3), [](const Vec3& p, double) -> Vec3 {
     return {p.x() * (p.x() - 0.5), p.y() - 0.01, 0.0};
   });
   const Tracking all = track(field);

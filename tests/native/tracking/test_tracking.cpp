@@ -148,7 +148,7 @@ TEST(Tracking, IndicesAddUpToTheEulerCharacteristic) {
 TEST(Tracking, BoundedSurfacesLoseAndGainPathsAtTheirBoundary) {
   const auto charts = makeCharts(grid(12, 0.2));
   // A source drifts in from the left and out to the right.
-  const ParameterizedField field = parameterized(
+  const ParameterizedField field = sampled(
       charts, evenLambdas(9), [](const Vec3& p, double l) -> Vec3 { return p - Vec3(-1.6 + 3.2 * l, 0.123, 0.0); });
   const Tracking tracking = expectSound(field, "drifting source");
   ASSERT_EQ(tracking.paths.size(), 1u);
@@ -164,7 +164,7 @@ TEST(Tracking, PathsThroughVerticesAndAlongEdgesStayWhole) {
   for (const int index : {1, -1}) {
     for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(1, 1, 0), Vec3(1, -1, 0), Vec3(1, 0.5, 0)}) {
       for (const int samples : {2, 3, 6, 9}) {
-        const ParameterizedField field = parameterized(charts, evenLambdas(samples), [&](const Vec3& p, double l) {
+        const ParameterizedField field = sampled(charts, evenLambdas(samples), [&](const Vec3& p, double l) {
           const Vec3 from = p - (1.5 * l - 0.75) * way;
           return Vec3(from.x(), index * from.y(), 0.0);
         });
@@ -296,8 +296,8 @@ TEST(Tracking, KindsAndPlacesAreThoseOfFixedPoints) {
 constexpr int kCells = 64;
 constexpr double kCell = 2.0 / kCells;
 
-std::vector<Placement> placements() {
-  Placement moved, turned, small, drifting;
+std::vector<analytic::Placement> placements() {
+  analytic::Placement moved, turned, small, drifting;
   moved.place = {0.237, -0.181};
   moved.lambda = 0.37;
   turned = moved;
@@ -312,12 +312,12 @@ std::vector<Placement> placements() {
 
 TEST(Tracking, SaddleNodesAppearAndVanishWhereTheyShould) {
   const auto charts = makeCharts(grid(kCells, 0.2));
-  for (const Placement& placement : placements()) {
+  for (const analytic::Placement& placement : placements()) {
     for (const int sign : {1, -1}) {
       // x' = sign * parameter - x^2, y' = -y: a sink and a saddle at x = +-sqrt(sign * parameter).
-      const ParameterizedField field = parameterized(
-          charts, evenLambdas(21),
-          placement.field([&](double x, double y, double mu) { return Eigen::Vector2d(sign * mu - x * x, -y); }));
+      const ParameterizedField field =
+          sampled(charts, evenLambdas(21),
+                  placement.field([&](double x, double y, double mu) { return analytic::foldForm(x, y, sign * mu); }));
       const std::string what = message("sign ", sign, ", angle ", placement.angle, ", size ", placement.size);
       const Tracking tracking = expectSound(field, what);
       const auto kind = sign > 0 ? BifurcationKind::Creation : BifurcationKind::Annihilation;
@@ -343,13 +343,11 @@ TEST(Tracking, SaddleNodesAppearAndVanishWhereTheyShould) {
 
 TEST(Tracking, HopfBifurcationsAreListed) {
   const auto charts = makeCharts(grid(kCells, 0.2));
-  for (const Placement& placement : placements()) {
+  for (const analytic::Placement& placement : placements()) {
     for (const int sign : {1, -1}) {
       const ParameterizedField field =
-          parameterized(charts, evenLambdas(21), placement.field([&](double x, double y, double mu) {
-            const double radial = sign * mu - x * x - y * y;
-            return Eigen::Vector2d(radial * x - y, x + radial * y);
-          }));
+          sampled(charts, evenLambdas(21),
+                  placement.field([&](double x, double y, double mu) { return analytic::hopfForm(x, y, sign * mu); }));
       const std::string what = message("sign ", sign, ", angle ", placement.angle, ", size ", placement.size);
       const Tracking tracking = expectSound(field, what);
       ASSERT_EQ(tracking.paths.size(), 1u) << what;
@@ -369,7 +367,7 @@ TEST(Tracking, HopfBifurcationsAreListed) {
 TEST(Tracking, AClosedCurveInLambdaIsTwoPaths) {
   const auto charts = makeCharts(grid(32, 0.1));
   // A pair lives while (lambda - 0.5)^2 < 0.04.
-  const ParameterizedField field = parameterized(charts, evenLambdas(41), [](const Vec3& p, double l) -> Vec3 {
+  const ParameterizedField field = sampled(charts, evenLambdas(41), [](const Vec3& p, double l) -> Vec3 {
     return {0.04 - (l - 0.5) * (l - 0.5) - p.x() * p.x(), -(p.y() - 0.03), 0.0};
   });
   const Tracking tracking = expectSound(field, "loop");
@@ -385,7 +383,7 @@ TEST(Tracking, AClosedCurveInLambdaIsTwoPaths) {
 
 TEST(Tracking, CurvesAreSmooth) {
   const auto charts = makeCharts(grid(16, 0.2));
-  const ParameterizedField field = parameterized(charts, {0.0, 1.0}, [](const Vec3& p, double l) -> Vec3 {
+  const ParameterizedField field = sampled(charts, {0.0, 1.0}, [](const Vec3& p, double l) -> Vec3 {
     return l == 0.0 ? Vec3(p.x() + 0.7, p.y() + 0.31, 0.0) : Vec3(-p.y() + 0.2, p.x() - 0.7, 0.0);
   });
   TrackingOptions options;
@@ -454,7 +452,7 @@ TEST(Tracking, ConstantFieldsKeepTheirPoints) {
 
 TEST(Tracking, ALoneTriangleWorks) {
   const auto charts = makeCharts(surface({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
-  const ParameterizedField field = parameterized(
+  const ParameterizedField field = sampled(
       charts, evenLambdas(3), [](const Vec3& p, double l) -> Vec3 { return p - Vec3(0.2 + 0.1 * l, 0.3, 0.0); });
   EXPECT_EQ(expectSound(field, "triangle").paths.size(), 1u);
 }
