@@ -26,10 +26,10 @@ const DesignOptions& checked(const DesignOptions& options) {
   return options;
 }
 
-/// The speed falls over the core of the smallest singular element; where there is none, over a part of the surface.
+/// The speed falls over the core of the smallest singular element; where there is none, over a fraction of its size.
 double evenSpeedReach(const std::vector<DesignElement>& elements, double size) {
-  constexpr double kPartOfSize = 0.05;
-  double reach = kPartOfSize * size;
+  constexpr double kFractionOfSize = 0.05;
+  double reach = kFractionOfSize * size;
   for (const DesignElement& element : elements)
     if (element.type == ElementType::Singular) reach = std::min(reach, kCore * element.radius);
   return reach;
@@ -51,15 +51,15 @@ void DesignSolver::setOptions(const DesignOptions& options, const Progress& prog
 
 SpaceTimeResult DesignSolver::solve(const std::vector<DesignElement>& elements, Progress& progress, int field,
                                     int fields) {
-  constexpr double kConstraintsPart = 0.3;
+  constexpr double kConstraintsShare = 0.3;
   const double begin = static_cast<double>(field) / fields, end = static_cast<double>(field + 1) / fields;
-  progress.range(begin, begin + kConstraintsPart * (end - begin));
+  progress.range(begin, begin + kConstraintsShare * (end - begin));
   ElementOptions elementOptions;
   elementOptions.samples = options_.samples;
   elementOptions.lambdaPerSecond = options_.lambdaPerSecond;
   if (static_cast<int>(maps_.size()) <= field) maps_.resize(field + 1);
   const ConstraintSet constraints = elementConstraints(charts_, elements, elementOptions, &progress, &maps_[field]);
-  progress.range(begin + kConstraintsPart * (end - begin), end);
+  progress.range(begin + kConstraintsShare * (end - begin), end);
   if (static_cast<int>(states_.size()) <= field) states_.resize(field + 1);
   SpaceTimeResult result = solver_.solve(constraints, progress, states_[field]);
   if (options_.evenSpeed > 0.0)

@@ -99,12 +99,6 @@ class Sample {
 
 }  // namespace
 
-std::vector<double> lambdaSamples(Index samples) {
-  std::vector<double> lambdas(static_cast<std::size_t>(samples));
-  for (Index j = 0; j < samples; ++j) lambdas[j] = samples > 1 ? static_cast<double>(j) / (samples - 1) : 0.0;
-  return lambdas;
-}
-
 ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& charts,
                                  const std::vector<DesignElement>& given, const ElementOptions& options,
                                  Progress* progress, LogMapCache* kept) {
@@ -124,7 +118,7 @@ ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& char
       others.emplace_back(*charts, query, elements[i], static_cast<Index>(i), options.stiffness,
                           options.lambdaPerSecond, scratch.local());
 
-  const std::vector<double> lambdas = lambdaSamples(options.samples);
+  const std::vector<double> lambdas = evenLambdas(options.samples);
   const double step = options.samples > 1 ? lambdas[1] : 1.0;
   std::vector<std::vector<Target>> targets(lambdas.size());
   // Samples fail on their own, so that the fault that is reported does not depend on the threads.
@@ -132,7 +126,7 @@ ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& char
   std::mutex reporting;
   std::size_t done = 0;
   // Entries take five times as much memory as unknowns: two and a half vectors of them at most.
-  const std::size_t mostKept = static_cast<std::size_t>(mesh.vertexCount()) / 2;
+  const std::size_t maxEntries = static_cast<std::size_t>(mesh.vertexCount()) / 2;
   if (kept) kept->start(lambdas.size());
   tbb::parallel_for(std::size_t{0}, lambdas.size(), [&](std::size_t j) {
     try {
@@ -142,7 +136,7 @@ ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& char
       own.useKept(kept ? &(*kept)[j] : nullptr);
       singular.addAt(lambdas[j], step, own, sample);
       for (const OtherTargets& other : others) other.addAt(lambdas[j], step, own, sample);
-      if (kept) (*kept)[j].keepUsed(mostKept);
+      if (kept) (*kept)[j].keepUsed(maxEntries);
       targets[j] = Sample(elements, lambdas[j]).reduce(std::move(sample));
       const std::lock_guard lock(reporting);
       if (progress) progress->report(static_cast<double>(++done) / static_cast<double>(lambdas.size()));

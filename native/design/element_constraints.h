@@ -1,7 +1,7 @@
 // From design elements to the constraints of the space-time solve (thesis 5.2.2, 11.1.3).
 //
 //   ConstraintSet constraints = elementConstraints(charts, elements, {.samples = 100});
-//   SpaceTimeResult result = SpaceTimeSolver(charts, ...).solve(constraints, progress);
+//   SpaceTimeResult result = SpaceTimeSolver(charts, {.samples = 100}).solve(constraints, progress);
 //
 // Samples lie evenly at lambda_j = j / (samples - 1). Every element acts on a region of its radius with soft weights
 // that are densities over surface and lambda, so that one design gives one field at every resolution. Singular elements
@@ -28,13 +28,10 @@ struct ElementOptions {
   double stiffness = 1e4;
 };
 
-/// Evenly spaced samples of lambda in 0..1; a single one lies at 0.
-std::vector<double> lambdaSamples(Index samples);
-
 /// Sorted by sample, then vertex; the same for any number of threads. Throws InputError as checkElements does, when a
-/// point lies off the surface, when storms meet in a way that cannot be joined, and when the cores of two elements ask
-/// for contradicting vectors at one vertex and lambda (names both); Cancelled through progress. kept: maps from the
-/// designs before it, and for those after it.
+/// point lies off the surface, when singular elements meet in a way that cannot be joined, and when the cores of two
+/// elements ask for contradicting vectors at one vertex and lambda (names both); Cancelled through progress. kept: maps
+/// from the designs before it, and for those after it.
 ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& charts,
                                  const std::vector<DesignElement>& elements, const ElementOptions& options,
                                  Progress* progress = nullptr, LogMapCache* kept = nullptr);

@@ -13,7 +13,7 @@ namespace stormfield {
 
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kUnreached = std::numeric_limits<double>::infinity();
 // Sources keep this barycentric distance from edges and vertices, where directions from the source degenerate.
 constexpr double kInset = 1e-4;
 
@@ -35,7 +35,7 @@ std::array<Complex, 3> flatCorners(const VertexCharts& charts, Index f) {
 }
 
 /// Direction of arrival, at the tail of h, of a line that comes from `toSource` (in a frame whose x axis lies along h,
-/// y axis into the face of h). The way back to the source runs through that face, so that its chart angle is known.
+/// y axis into the face of h). The line back to the source runs through that face, so that its chart angle is known.
 Complex arrivalAt(const VertexCharts& charts, Index h, Complex toSource) {
   const Index v = charts.mesh().tail(h);
   return -std::polar(1.0, charts.tailAngle(h) + charts.scale(v) * std::arg(toSource));
@@ -60,10 +60,10 @@ bool unfold(const VertexCharts& charts, Index h, const LogMapEntry& tail, const 
   const double distance = lengthOf(t - s);
   if (distance >= target.distance) return false;
   const double whole = std::arg((length - s) / -s);  // clockwise: both are negative
-  const double part = std::arg((t - s) / -s);
+  const double angle = std::arg((t - s) / -s);
   target.distance = distance;
   target.angle =
-      tail.angle + wrapped(head.angle - tail.angle) * (whole < 0.0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0);
+      tail.angle + wrapped(head.angle - tail.angle) * (whole < 0.0 ? std::clamp(angle / whole, 0.0, 1.0) : 0.0);
   // Frame at the target: x axis along target -> tail, y axis into the face.
   target.arrival = arrivalAt(charts, toTarget, (s - t) / -t);
   return true;
@@ -71,7 +71,7 @@ bool unfold(const VertexCharts& charts, Index h, const LogMapEntry& tail, const 
 
 /// Reaches the head of h (its tail when not forward) along the edge alone, past obtuse corners and into shadows: the
 /// vector from the source, transported, plus the edge. In a shadow that vector cuts corners, but distances never shrink
-/// along the way; where a line through the faces exists as well, the small price on edges lets it win.
+/// along the path; where a line through the faces exists as well, the small price on edges lets it win.
 bool followEdge(const VertexCharts& charts, Index h, bool forward, const LogMapEntry& from, LogMapEntry& target) {
   constexpr double kPrice = 0.01;
   const double length = charts.mesh().edgeLength(charts.mesh().edge(h));
@@ -101,28 +101,28 @@ double LogMap::distance(const TriangleMesh& mesh, const SurfacePoint& p) const {
   for (int k = 0; k < 3; ++k) {
     if (p.barycentric[k] == 0.0) continue;
     const LogMapEntry* entry = find(mesh.vertex(p.face, k));
-    if (!entry) return kFar;
+    if (!entry) return kUnreached;
     sum += p.barycentric[k] * entry->distance;
   }
   return sum;
 }
 
-bool LogMap::reaches(const SurfacePoint& from, double asFar) const {
-  return source.face == from.face && source.barycentric == from.barycentric && asFar <= radius;
+bool LogMap::reaches(const SurfacePoint& from, double maxDistance) const {
+  return source.face == from.face && source.barycentric == from.barycentric && maxDistance <= radius;
 }
 
-LogMap LogMap::within(const TriangleMesh& mesh, double asFar) const {
-  LogMap map{source, asFar, {}};
+LogMap LogMap::within(const TriangleMesh& mesh, double maxDistance) const {
+  LogMap map{source, maxDistance, {}};
   const auto face = mesh.triangles().row(source.face).array();
   for (const LogMapEntry& entry : entries) {
-    if (entry.distance < asFar || (face == entry.vertex).any()) map.entries.push_back(entry);
+    if (entry.distance < maxDistance || (face == entry.vertex).any()) map.entries.push_back(entry);
   }
   return map;
 }
 
 LogMapScratch::LogMapScratch(const TriangleMesh& mesh)
     : state_(static_cast<std::size_t>(mesh.vertexCount())), finished_(static_cast<std::size_t>(mesh.vertexCount()), 0) {
-  for (LogMapEntry& entry : state_) entry.distance = kFar;
+  for (LogMapEntry& entry : state_) entry.distance = kUnreached;
 }
 
 LogMap logMap(const VertexCharts& charts, const SurfacePoint& source, double radius, LogMapScratch& scratch) {
@@ -184,7 +184,7 @@ LogMap logMap(const VertexCharts& charts, const SurfacePoint& source, double rad
     const bool corner = mesh.vertex(f, 0) == v || mesh.vertex(f, 1) == v || mesh.vertex(f, 2) == v;
     if (corner || (scratch.finished_[v] && state[v].distance < radius)) map.entries.push_back(state[v]);
     state[v] = {};
-    state[v].distance = kFar;
+    state[v].distance = kUnreached;
     scratch.finished_[v] = 0;
   }
   std::sort(map.entries.begin(), map.entries.end(),

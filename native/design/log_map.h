@@ -9,7 +9,7 @@
 //
 // Distances travel from face to face by unfolding (the source's mirror image in the plane of the next face), in the
 // order of distance as in Dijkstra's algorithm: the map follows the connectivity and never jumps over gaps or through
-// thin parts. Behind the cut locus each vertex keeps its shortest way.
+// thin parts. Behind the cut locus each vertex keeps its shortest path.
 #pragma once
 
 #include <memory>
@@ -40,9 +40,9 @@ struct LogMap {
   double distance(const TriangleMesh& mesh, const SurfacePoint& p) const;
 
   /// Whether it holds the map of that source and radius.
-  bool reaches(const SurfacePoint& from, double asFar) const;
+  bool reaches(const SurfacePoint& from, double maxDistance) const;
   /// That map, bit for bit.
-  LogMap within(const TriangleMesh& mesh, double asFar) const;
+  LogMap within(const TriangleMesh& mesh, double maxDistance) const;
 };
 
 class SampleLogMaps;

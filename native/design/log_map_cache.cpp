@@ -21,11 +21,11 @@ void SampleLogMaps::add(std::shared_ptr<const LogMap> map) {
   used_.push_back(std::move(map));
 }
 
-void SampleLogMaps::keepUsed(std::size_t mostEntries) {
+void SampleLogMaps::keepUsed(std::size_t maxEntries) {
   before_.clear();
   std::size_t entries = 0;
   for (std::shared_ptr<const LogMap>& map : used_) {
-    if (entries + map->entries.size() > mostEntries) continue;
+    if (entries + map->entries.size() > maxEntries) continue;
     entries += map->entries.size();
     before_.push_back(std::move(map));
   }

@@ -1,16 +1,12 @@
 // Log maps of a design, kept from one edit to the next: an edit of one element leaves those of the others as they are.
 //
-// A map depends on its source and radius alone, and is the part within the radius of any larger one around the same
-// source (logMap settles vertices in the order of their distance). So what is found here is what would be made anew,
-// bit for bit. Kept are the maps that the last design used, sample by sample, as far as they fit.
-//
-// Measured on 20k vertices x 100 samples, processor time of the constraints: two storms of radius 0.45 on a sphere of
-// radius 1 that move apart from each other, 154 ms anew, 67 ms after one of them was edited, 27 ms after none; two of
-// radius 0.25 that merge, 98 ms, 63 to 75 ms and 25 ms: what joins the two depends on both.
+// A map depends on its source and radius alone, and is the restriction to the radius of any larger one around the same
+// source (logMap settles vertices in the order of their distance). So what is found here is what would be computed
+// anew, bit for bit. Kept are the maps that the last design used, sample by sample, as far as they fit.
 //
 //   LogMapCache kept;
-//   elementConstraints(charts, elements, options, &progress, &kept);
-//   elementConstraints(charts, movedElements, options, &progress, &kept);
+//   const ConstraintSet first = elementConstraints(charts, elements, {}, &progress, &kept);
+//   const ConstraintSet moved = elementConstraints(charts, movedElements, {}, &progress, &kept);
 #pragma once
 
 #include <memory>
@@ -29,8 +25,8 @@ class SampleLogMaps {
   /// For a design to come; what one that failed used is forgotten.
   void start() { used_.clear(); }
   /// The design is done with this sample: what it used takes the place of what the last one did, in the order of use
-  /// and at most so many entries.
-  void keepUsed(std::size_t mostEntries);
+  /// and at most maxEntries entries.
+  void keepUsed(std::size_t maxEntries);
 
  private:
   std::vector<std::shared_ptr<const LogMap>> before_, used_;

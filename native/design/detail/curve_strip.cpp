@@ -8,18 +8,18 @@ namespace stormfield {
 
 namespace {
 
-/// Closest point of the polyline to x, found by walking down from the segment `near`.
+/// Closest point of the polyline to x, found by descent from the segment `near`.
 struct OnCurve {
   std::size_t segment = 0;
-  double part = 0.0;
+  double fraction = 0.0;
   double distance = 0.0;
 };
 
 OnCurve onSegment(const std::vector<Vec3>& curve, std::size_t k, const Vec3& x) {
   const Vec3 along = curve[k + 1] - curve[k];
   const double squared = along.squaredNorm();
-  const double part = squared > 0.0 ? std::clamp((x - curve[k]).dot(along) / squared, 0.0, 1.0) : 0.0;
-  return {k, part, (x - curve[k] - part * along).norm()};
+  const double fraction = squared > 0.0 ? std::clamp((x - curve[k]).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return {k, fraction, (x - curve[k] - fraction * along).norm()};
 }
 
 OnCurve closestFrom(const std::vector<Vec3>& curve, std::size_t near, const Vec3& x) {
@@ -43,8 +43,8 @@ std::vector<Vec3> tangents(const std::vector<Vec3>& curve) {
   return result;
 }
 
-/// Turns a by the smallest rotation that takes the unit vector from to the unit vector to.
-Vec3 turned(const Vec3& a, const Vec3& from, const Vec3& to) {
+/// Rotates a by the smallest rotation that takes the unit vector from to the unit vector to.
+Vec3 rotated(const Vec3& a, const Vec3& from, const Vec3& to) {
   const Vec3 axis = from.cross(to);
   const double cosine = from.dot(to);
   if (cosine < -0.999) return a;
@@ -92,9 +92,9 @@ std::vector<StripEntry> curveStrip(const VertexCharts& charts, const SurfacePath
   std::vector<StripEntry> strip;
   for (const auto& [v, at] : reached) {
     const std::size_t k = at.foot.segment;
-    const Vec3 along = (1.0 - at.foot.part) * direction[k] + at.foot.part * direction[k + 1];
-    const Vec3 normal = mesh.faceNormal(path.points()[at.foot.part < 0.5 ? k : k + 1].face);
-    const Complex tangent = charts.toTangent(v, turned(along, normal, charts.normal(v)));
+    const Vec3 along = (1.0 - at.foot.fraction) * direction[k] + at.foot.fraction * direction[k + 1];
+    const Vec3 normal = mesh.faceNormal(path.points()[at.foot.fraction < 0.5 ? k : k + 1].face);
+    const Complex tangent = charts.toTangent(v, rotated(along, normal, charts.normal(v)));
     if (std::abs(tangent) > 0.0) strip.push_back({v, at.foot.distance, tangent / std::abs(tangent), at.onCurve});
   }
   return strip;

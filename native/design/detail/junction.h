@@ -1,7 +1,7 @@
 // Where singularity paths meet: merge, split and continuation (thesis 11.1.4, second way).
 //
-// A merge is two paths of index +1 that end in one point at one lambda where a third path starts; a split is the
-// reverse; where one path ends and one starts, the second continues the first.
+// In a merge two paths of index +1 end in one point at one lambda, where a third path starts; a split is the reverse. A
+// continuation is a path that starts where another one ends.
 #pragma once
 
 #include <vector>

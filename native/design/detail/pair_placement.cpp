@@ -11,10 +11,10 @@ namespace stormfield {
 
 namespace {
 
-constexpr double kMostMove = 0.85;     // of an edge, for each storm
-constexpr double kSafeTurn = 0.45;     // radians short of half a turn: more is not better
-constexpr double kLeastArm = 0.6;      // of an edge, from the saddle to each storm
-constexpr double kPriceOfMoves = 0.3;  // radians of safety per edge length of all moves together
+constexpr double kMaxMove = 0.85;       // of an edge, for each element
+constexpr double kEnoughSafety = 0.45;  // radians below pi: more is not better
+constexpr double kMinArm = 0.6;         // of an edge, from the saddle to each element
+constexpr double kPriceOfMoves = 0.3;   // radians of safety per edge length of all moves together
 
 /// The surface around the middle of the pair, flat.
 struct Patch {
@@ -67,21 +67,21 @@ std::optional<SurfacePoint> locate(const Patch& patch, Complex z) {
   return std::nullopt;
 }
 
-/// Radians by which the fullest turn along an edge stays below half a turn.
+/// Radians by which the largest rotation along an edge stays below pi.
 double safety(const Patch& patch, Complex a, Complex b, Complex s, double enough) {
-  double fullest = 0.0;
+  double largest = 0.0;
   for (const auto& [p, q] : patch.edges) {
-    const double turn = std::arg((q - a) / (p - a)) + std::arg((q - b) / (p - b)) - std::arg((q - s) / (p - s));
-    fullest = std::max(fullest, std::abs(turn));
-    if (std::numbers::pi - fullest < enough) break;
+    const double angle = std::arg((q - a) / (p - a)) + std::arg((q - b) / (p - b)) - std::arg((q - s) / (p - s));
+    largest = std::max(largest, std::abs(angle));
+    if (std::numbers::pi - largest < enough) break;
   }
-  return std::numbers::pi - fullest;
+  return std::numbers::pi - largest;
 }
 
-/// Where a storm may go from its path: nowhere, or onto rings around it, first of all away from the other storm.
+/// Moves of an element from its path: none, or onto rings around it, first of all away from the other element.
 std::vector<Complex> moves(double edge, Complex away) {
   std::vector<Complex> result = {0.0};
-  const std::array<std::pair<double, int>, 4> rings = {{{0.2, 6}, {0.45, 8}, {0.65, 12}, {kMostMove, 16}}};
+  const std::array<std::pair<double, int>, 4> rings = {{{0.2, 6}, {0.45, 8}, {0.65, 12}, {kMaxMove, 16}}};
   for (const auto& [radius, count] : rings)
     for (int i = 0; i < count; ++i)
       result.push_back(std::polar(radius * edge, std::arg(away) + 2.0 * std::numbers::pi * i / count));
@@ -98,7 +98,7 @@ Complex flatPoint(const TriangleMesh& mesh, const LogMap& map, const SurfacePoin
   return z;
 }
 
-/// Storms and saddle in flat coordinates, and how good that is.
+/// Elements and saddle in flat coordinates, and their score in radians.
 struct Candidate {
   Complex a, b, saddle;
   double score = -std::numeric_limits<double>::infinity();
@@ -142,13 +142,13 @@ class Search {
   void improve(Candidate& best, Complex a, Complex b, Complex saddle) const {
     const double moveA = std::abs(a - pathA_), moveB = std::abs(b - pathB_);
     const double moveS = std::abs(saddle - 0.5 * (a + b));
-    if (std::max(moveA, moveB) > kMostMove * edge_ * (1.0 + 1e-9)) return;
+    if (std::max(moveA, moveB) > kMaxMove * edge_ * (1.0 + 1e-9)) return;
     const Complex arm = 0.5 * (a - b);
-    if (std::abs(arm) < kLeastArm * edge_ || std::real(arm / along_) < 0.5 * std::abs(arm)) return;
+    if (std::abs(arm) < kMinArm * edge_ || std::real(arm / along_) < 0.5 * std::abs(arm)) return;
     const double price = kPriceOfMoves * (moveA + moveB + moveS) / edge_;
-    if (kSafeTurn - price <= best.score) return;
+    if (kEnoughSafety - price <= best.score) return;
     const double safe = safety(patch_, a, b, saddle, std::max(0.0, best.score + price));
-    const double score = std::min(kSafeTurn, safe) - price;
+    const double score = std::min(kEnoughSafety, safe) - price;
     const Candidate candidate{a, b, saddle, score};
     if (safe > 0.0 && score > best.score && place(candidate)) best = candidate;
   }

@@ -1,10 +1,11 @@
-// Room for three zeros: where the mesh can hold two storms and the saddle between them, close to where they should be.
+// Places at which the mesh resolves two singular elements and the saddle between them, near those that were asked for.
 //
-// A piecewise field sees a zero of index +1 or -1 only when the field turns by less than half a turn along every edge,
-// and no two zeros share a face. Storms that are about to merge come closer than that. Up to the meeting point they are
+// A piecewise field has a zero of index +1 or -1 only where the field rotates by less than pi along every edge, and no
+// two zeros share a face. Elements that are about to merge come closer than that. Up to the meeting point they are
 // therefore moved, by less than an edge length, to places at which the field
 //     (z - a) (z - b) conj(z - s)
-// turns safely along all edges nearby. The places are searched in the flat coordinates around the middle of the pair.
+// rotates by clearly less than pi along all edges nearby. The places are searched in the flat coordinates around the
+// middle of the pair.
 #pragma once
 
 #include <optional>
@@ -19,8 +20,8 @@ struct PairPlacement {
 };
 
 /// a and b are where the paths are; `axis` points from b to a in space and counts when the two are closer than an edge.
-/// Each storm moves by less than `edge`. Nothing when no place was found: the mesh is too irregular or has its boundary
-/// here.
+/// Each element moves by less than `edge`. Nothing when no place was found: the mesh is too irregular or has its
+/// boundary here.
 std::optional<PairPlacement> placePair(const VertexCharts& charts, const ClosestPointQuery& query,
                                        const SurfacePoint& a, const SurfacePoint& b, const Vec3& axis, double edge,
                                        LogMapScratch& scratch);

@@ -9,7 +9,7 @@
 
 namespace stormfield {
 
-/// Part of the radius inside which an element's word counts: contradictions are looked for there, `hard` acts there.
+/// Core radius over radius: hard constraints act and contradictions are looked for inside the core.
 inline constexpr double kCore = 1.0 / 3.0;
 
 /// (1 - t^2)^2 inside the unit disc, t = distance / radius.
@@ -23,12 +23,12 @@ inline double smoothStep(double x) {
   return c * c * (3.0 - 2.0 * c);
 }
 
-/// The part of a sample's cell [lambda - step/2, lambda + step/2] on which an element acts.
+/// The fraction of a sample's cell [lambda - step/2, lambda + step/2] on which an element acts.
 struct LambdaSpan {
   double start = 0.0, end = 1.0;
   double fade = 0.015;  ///< width of the smooth ends outside of start..end
-  /// A joined end hands over to another element at exactly that lambda: no fade, and the sample that lies on it belongs
-  /// to the one side that owns it.
+  /// At a joined end another element takes over at exactly that lambda: there is no fade, and the sample that lies on
+  /// it belongs to the side that owns it.
   bool startJoined = false, endJoined = false;
   bool ownsStart = true, ownsEnd = true;
 
@@ -42,7 +42,7 @@ struct Target {
   Index vertex = kNone;
   Complex value;        ///< in the chart of the vertex, mesh units per second
   double weight = 0.0;  ///< density of the soft constraint, infinite when hard
-  double cover = 0.0;   ///< how far a singular element claims the vertex, 0..1
+  double cover = 0.0;   ///< weight with which a singular element displaces elements of other types, 0..1
   bool core = false;
   Index element = kNone;
 };

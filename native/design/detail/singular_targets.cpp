@@ -12,12 +12,12 @@ namespace stormfield {
 
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kUnreached = std::numeric_limits<double>::infinity();
 // Pairs closer than this many edge lengths are placed with regard to the mesh.
 constexpr double kCloseEdges = 4.0;
-// A way along the surface longer than this many times the chord leads around something: such storms stay separate.
+// Elements whose distance along the surface exceeds this many chords stay separate: something lies between them.
 constexpr double kDetour = 2.0;
-// Storms closer than this part of the smaller radius share one place.
+// Elements closer than this fraction of the smaller radius are at one place.
 constexpr double kSamePlace = 0.1;
 
 double meanEdge(const TriangleMesh& mesh, Index f) {
@@ -26,21 +26,21 @@ double meanEdge(const TriangleMesh& mesh, Index f) {
   return sum / 3.0;
 }
 
-/// A point about `part` of the way from a to b along the surface.
+/// A point on the surface between a and b, about `fraction` of the distance from a.
 SurfacePoint between(const TriangleMesh& mesh, const ClosestPointQuery& query, const LogMap& mapA, const LogMap& mapB,
-                     double distance, double part) {
+                     double distance, double fraction) {
   const Vec3 a = position(mesh, mapA.source), b = position(mesh, mapB.source);
-  const SurfacePoint onChord = query.closest(Vec3(a + part * (b - a))).point;
+  const SurfacePoint onChord = query.closest(Vec3(a + fraction * (b - a))).point;
   constexpr double kStraight = 1.2;
   const double around = mapA.distance(mesh, onChord) + mapB.distance(mesh, onChord);
   if (around <= kStraight * distance + meanEdge(mesh, onChord.face)) return onChord;
-  // The chord leads to another sheet of the surface: take the best vertex on the way along the surface.
+  // The chord leads to another sheet of the surface: take the best vertex along the surface instead.
   Index best = mesh.vertex(mapA.source.face, 0);
-  double least = kFar;
+  double least = kUnreached;
   for (const LogMapEntry& ea : mapA.entries) {
     const LogMapEntry* eb = mapB.find(ea.vertex);
     if (!eb) continue;
-    const double cost = ea.distance + eb->distance + std::abs(ea.distance - part * distance);
+    const double cost = ea.distance + eb->distance + std::abs(ea.distance - fraction * distance);
     if (cost < least) {
       least = cost;
       best = ea.vertex;
@@ -62,22 +62,22 @@ SingularTargets::SingularTargets(const VertexCharts& charts, const ClosestPointQ
                                  double stiffness)
     : charts_(charts), query_(query), elements_(elements), stiffness_(stiffness) {
   for (std::size_t i = 0; i < elements.size(); ++i)
-    if (elements[i].type == ElementType::Singular) storms_.push_back(makeStorm(static_cast<Index>(i), junctions));
+    if (elements[i].type == ElementType::Singular) tracks_.push_back(makeTrack(static_cast<Index>(i), junctions));
   for (const Junction& junction : junctions) {
     if (junction.kind == Junction::Kind::Continuation) continue;
     std::vector<Index> pair;
     for (const Index i : junction.pair())
-      for (std::size_t k = 0; k < storms_.size(); ++k)
-        if (storms_[k].element == i) pair.push_back(static_cast<Index>(k));
+      for (std::size_t k = 0; k < tracks_.size(); ++k)
+        if (tracks_[k].element == i) pair.push_back(static_cast<Index>(k));
     for (int side : {0, 1}) {
-      storms_[pair[side]].partner = pair[1 - side];
-      storms_[pair[side]].single = junction.single();
+      tracks_[pair[side]].partner = pair[1 - side];
+      tracks_[pair[side]].single = junction.single();
     }
-    findAxis(storms_[pair[0]], storms_[pair[1]], junction);
+    findAxis(tracks_[pair[0]], tracks_[pair[1]], junction);
   }
 }
 
-SingularTargets::Storm SingularTargets::makeStorm(Index element, const std::vector<Junction>& junctions) const {
+SingularTargets::SingularTrack SingularTargets::makeTrack(Index element, const std::vector<Junction>& junctions) const {
   SurfacePath path(charts_.mesh(), query_, elements_[element]);
   LambdaSpan span;
   span.start = path.start();
@@ -86,7 +86,7 @@ SingularTargets::Storm SingularTargets::makeStorm(Index element, const std::vect
     return std::find(side.begin(), side.end(), element) != side.end();
   };
   for (const Junction& junction : junctions) {
-    // At the junction itself there is one storm: the sample on it belongs to the single path.
+    // At the junction itself there is one element: the sample on it belongs to the single path.
     const bool split = junction.kind == Junction::Kind::Split;
     if (has(junction.ending)) {
       span.endJoined = true;
@@ -100,7 +100,7 @@ SingularTargets::Storm SingularTargets::makeStorm(Index element, const std::vect
   return {element, std::move(path), span, kNone, kNone, Vec3::Zero()};
 }
 
-void SingularTargets::findAxis(Storm& a, Storm& b, const Junction& junction) const {
+void SingularTargets::findAxis(SingularTrack& a, SingularTrack& b, const Junction& junction) const {
   const TriangleMesh& mesh = charts_.mesh();
   const double edge = meanEdge(mesh, query_.closest(junction.point).point.face);
   const bool merge = junction.kind == Junction::Kind::Merge;
@@ -114,7 +114,7 @@ void SingularTargets::findAxis(Storm& a, Storm& b, const Junction& junction) con
   if (axis.norm() < edge)
     throw InputError(
         "\"" + elements_[a.element].name + "\" and \"" + elements_[b.element].name +
-        "\" are joined but never an edge length apart: draw them along different ways, or refine the mesh");
+        "\" are joined but never an edge length apart: draw them along different paths, or refine the mesh");
   a.axis = axis;
   b.axis = -axis;
 }
@@ -124,35 +124,36 @@ SingularState SingularTargets::stateOf(Index element, const SurfacePoint& point)
   return {point, e.kind, e.strength * charts_.mesh().size(), e.radius, axisAngle(charts_, e, point.face)};
 }
 
-std::vector<SingularTargets::Present> SingularTargets::presentAt(double lambda, double step) const {
-  std::vector<Present> present;
-  for (const Storm& storm : storms_) {
-    const double share = storm.span.share(lambda, step);
+std::vector<SingularTargets::ActiveElement> SingularTargets::activeAt(double lambda, double step) const {
+  std::vector<ActiveElement> active;
+  for (const SingularTrack& track : tracks_) {
+    const double share = track.span.share(lambda, step);
     if (!(share > 0.0)) continue;
-    present.push_back({&storm, stateOf(storm.element, storm.path.at(lambda)), share});
+    active.push_back({&track, stateOf(track.element, track.path.at(lambda)), share});
   }
-  return present;
+  return active;
 }
 
 double SingularTargets::distanceBetween(const SingularState& a, const SingularState& b, LogMapScratch& scratch) const {
   const TriangleMesh& mesh = charts_.mesh();
   const double reach = a.radius + b.radius;
-  if ((position(mesh, a.point) - position(mesh, b.point)).norm() >= reach) return kFar;
+  if ((position(mesh, a.point) - position(mesh, b.point)).norm() >= reach) return kUnreached;
   return recentLogMap(charts_, a.point, reach, scratch)->distance(mesh, b.point);
 }
 
-void SingularTargets::giveWay(std::vector<Present>& present, double lambda, LogMapScratch& scratch) const {
-  std::vector<double> factor(present.size(), 1.0);
-  for (std::size_t i = 0; i < present.size(); ++i) {
-    for (std::size_t j = i + 1; j < present.size(); ++j) {
-      const Present &a = present[i], &b = present[j];
-      if (a.storm->partner != kNone && &storms_[a.storm->partner] == b.storm) continue;
+void SingularTargets::shrinkOverlapping(std::vector<ActiveElement>& active, double lambda,
+                                        LogMapScratch& scratch) const {
+  std::vector<double> factor(active.size(), 1.0);
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    for (std::size_t j = i + 1; j < active.size(); ++j) {
+      const ActiveElement &a = active[i], &b = active[j];
+      if (a.track->partner != kNone && &tracks_[a.track->partner] == b.track) continue;
       const double distance = distanceBetween(a.state, b.state, scratch);
       const double edge = meanEdge(charts_.mesh(), a.state.point.face);
       if (distance < std::max(edge, kSamePlace * std::min(a.state.radius, b.state.radius))) {
-        if (!a.storm->span.contains(lambda) || !b.storm->span.contains(lambda) || agree(a.state, b.state)) continue;
-        throw InputError("\"" + elements_[a.storm->element].name + "\" (" + name(a.state.kind) + ") and \"" +
-                         elements_[b.storm->element].name + "\" (" + name(b.state.kind) +
+        if (!a.track->span.contains(lambda) || !b.track->span.contains(lambda) || agree(a.state, b.state)) continue;
+        throw InputError("\"" + elements_[a.track->element].name + "\" (" + name(a.state.kind) + ") and \"" +
+                         elements_[b.track->element].name + "\" (" + name(b.state.kind) +
                          ") contradict each other at vertex " +
                          std::to_string(nearestVertex(charts_.mesh(), a.state.point)) + ", lambda " +
                          shortNumber(lambda) + ": move one away, or end both where a third path starts to merge them");
@@ -162,7 +163,7 @@ void SingularTargets::giveWay(std::vector<Present>& present, double lambda, LogM
       factor[j] = std::min(factor[j], touch);
     }
   }
-  for (std::size_t i = 0; i < present.size(); ++i) present[i].state.radius *= factor[i];
+  for (std::size_t i = 0; i < active.size(); ++i) active[i].state.radius *= factor[i];
 }
 
 double SingularTargets::density(double radius) const {
@@ -170,10 +171,10 @@ double SingularTargets::density(double radius) const {
   return stiffness_ * relative * relative;
 }
 
-void SingularTargets::addDisc(const Present& storm, double share, LogMapScratch& scratch,
+void SingularTargets::addDisc(const ActiveElement& active, double share, LogMapScratch& scratch,
                               std::vector<Target>& targets) const {
   constexpr double kLeastCoverOfCorners = 0.5;
-  const SingularState& state = storm.state;
+  const SingularState& state = active.state;
   const std::shared_ptr<const LogMap> map = recentLogMap(charts_, state.point, state.radius, scratch);
   const auto& triangles = charts_.mesh().triangles();
   for (const LogMapEntry& entry : map->entries) {
@@ -181,22 +182,23 @@ void SingularTargets::addDisc(const Present& storm, double share, LogMapScratch&
     if ((triangles.row(state.point.face).array() == entry.vertex).any()) cover = std::max(cover, kLeastCoverOfCorners);
     const bool core = entry.distance < kCore * state.radius || cover == kLeastCoverOfCorners;
     targets.push_back({entry.vertex, singularValue(state, entry), density(state.radius) * cover * share, cover * share,
-                       core, storm.storm->element});
+                       core, active.track->element});
   }
 }
 
-double SingularTargets::addPair(Present a, Present b, LogMapScratch& scratch, std::vector<Target>& targets) const {
+double SingularTargets::addPair(ActiveElement a, ActiveElement b, LogMapScratch& scratch,
+                                std::vector<Target>& targets) const {
   const TriangleMesh& mesh = charts_.mesh();
   const double edge = std::min(meanEdge(mesh, a.state.point.face), mesh.meanEdgeLength());
   const double chord = (position(mesh, a.state.point) - position(mesh, b.state.point)).norm();
   std::optional<PairPlacement> placed;
   if (chord < kCloseEdges * edge)
-    placed = placePair(charts_, query_, a.state.point, b.state.point, a.storm->axis, edge, scratch);
+    placed = placePair(charts_, query_, a.state.point, b.state.point, a.track->axis, edge, scratch);
   if (placed) {
     a.state.point = placed->a;
     b.state.point = placed->b;
   }
-  StormPair pair{a.state, b.state, stateOf(a.storm->single, a.state.point), 0.0};
+  SingularPair pair{a.state, b.state, stateOf(a.track->single, a.state.point), 0.0};
   const double touching = a.state.radius + b.state.radius;
   if (chord >= touching) return 1.0;
   const double largest = std::max({a.state.radius, b.state.radius, pair.single.radius});
@@ -208,31 +210,31 @@ double SingularTargets::addPair(Present a, Present b, LogMapScratch& scratch, st
   const double far = pair.distance + largest;
   const std::shared_ptr<const LogMap> mapB = recentLogMap(charts_, b.state.point, far, scratch);
   const double touch = a.state.radius / (a.state.radius + b.state.radius);
-  const double part = touch + pair.closeness() * (0.5 - touch);
-  const SurfacePoint saddle = placed ? placed->saddle : between(mesh, query_, *mapA, *mapB, pair.distance, part);
+  const double fraction = touch + pair.closeness() * (0.5 - touch);
+  const SurfacePoint saddle = placed ? placed->saddle : between(mesh, query_, *mapA, *mapB, pair.distance, fraction);
   const std::shared_ptr<const LogMap> mapSaddle = recentLogMap(charts_, saddle, far, scratch);
   const double share = joint * std::min(a.share, b.share);
-  // Three zeros a few edges apart stand less smoothing than one.
-  constexpr double kFirmWhenClose = 30.0;
-  const double firm = 1.0 + kFirmWhenClose * pair.closeness();
+  // Smoothing moves three zeros a few edges apart onto each other: their weights grow as the pair closes.
+  constexpr double kWeightWhenClose = 30.0;
+  const double weight = 1.0 + kWeightWhenClose * pair.closeness();
   for (const PairTarget& t : pairTargets(mesh, pair, *mapA, *mapB, *mapSaddle)) {
     const bool nearerA = mapA->find(t.vertex)->distance <= mapB->find(t.vertex)->distance;
-    targets.push_back({t.vertex, t.value, firm * density(t.scale) * t.cover * share, t.cover * share, t.core,
-                       (nearerA ? a : b).storm->element});
+    targets.push_back({t.vertex, t.value, weight * density(t.scale) * t.cover * share, t.cover * share, t.core,
+                       (nearerA ? a : b).track->element});
   }
   return 1.0 - joint;
 }
 
 void SingularTargets::addAt(double lambda, double step, LogMapScratch& scratch, std::vector<Target>& targets) const {
-  std::vector<Present> present = presentAt(lambda, step);
-  giveWay(present, lambda, scratch);
-  std::vector<double> alone(present.size(), 1.0);
-  for (std::size_t i = 0; i < present.size(); ++i)
-    for (std::size_t j = i + 1; j < present.size(); ++j)
-      if (present[i].storm->partner != kNone && &storms_[present[i].storm->partner] == present[j].storm)
-        alone[i] = alone[j] = addPair(present[i], present[j], scratch, targets);
-  for (std::size_t i = 0; i < present.size(); ++i)
-    if (alone[i] > 0.0) addDisc(present[i], alone[i] * present[i].share, scratch, targets);
+  std::vector<ActiveElement> active = activeAt(lambda, step);
+  shrinkOverlapping(active, lambda, scratch);
+  std::vector<double> alone(active.size(), 1.0);
+  for (std::size_t i = 0; i < active.size(); ++i)
+    for (std::size_t j = i + 1; j < active.size(); ++j)
+      if (active[i].track->partner != kNone && &tracks_[active[i].track->partner] == active[j].track)
+        alone[i] = alone[j] = addPair(active[i], active[j], scratch, targets);
+  for (std::size_t i = 0; i < active.size(); ++i)
+    if (alone[i] > 0.0) addDisc(active[i], alone[i] * active[i].share, scratch, targets);
 }
 
 }  // namespace stormfield

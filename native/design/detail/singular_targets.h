@@ -1,8 +1,8 @@
-// All singular elements of a design at one lambda: separate discs, discs that give way to each other, joined pairs.
+// All singular elements of a design at one lambda: separate discs, overlapping discs that shrink, joined pairs.
 //
-// Discs of storms that are close without being joined shrink until they just touch, so that they do not fight; storms
-// that share a place are a contradiction. The containing face's corners always take part, so that an element smaller
-// than the mesh resolves becomes the three constraints of thesis 5.2.2.
+// Discs of elements that overlap without being joined shrink until they touch, so that their constraints do not
+// contradict; different elements at one place are a contradiction. The corners of the face that holds an element are
+// always constrained, so that an element smaller than the mesh resolves becomes the three constraints of thesis 5.2.2.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 #include "design/detail/junction.h"
 #include "design/detail/region.h"
 #include "design/detail/singular_field.h"
-#include "design/detail/storm_pair.h"
+#include "design/detail/singular_pair.h"
 #include "design/detail/surface_path.h"
 
 namespace stormfield {
@@ -26,36 +26,38 @@ class SingularTargets {
   void addAt(double lambda, double step, LogMapScratch& scratch, std::vector<Target>& targets) const;
 
  private:
-  struct Storm {
+  /// One element with its path over lambda.
+  struct SingularTrack {
     Index element = kNone;
     SurfacePath path;
     LambdaSpan span;
-    Index partner = kNone;     ///< the storm it merges with or splits from
+    Index partner = kNone;     ///< the track it merges with or splits from
     Index single = kNone;      ///< the element they become or come from
-    Vec3 axis = Vec3::Zero();  ///< from the partner to this storm shortly before they meet
+    Vec3 axis = Vec3::Zero();  ///< from the partner to this element shortly before they meet
   };
-  struct Present {
-    const Storm* storm = nullptr;
+  /// A track that acts at the given lambda.
+  struct ActiveElement {
+    const SingularTrack* track = nullptr;
     SingularState state;
     double share = 0.0;
   };
 
-  Storm makeStorm(Index element, const std::vector<Junction>& junctions) const;
-  void findAxis(Storm& a, Storm& b, const Junction& junction) const;
+  SingularTrack makeTrack(Index element, const std::vector<Junction>& junctions) const;
+  void findAxis(SingularTrack& a, SingularTrack& b, const Junction& junction) const;
   SingularState stateOf(Index element, const SurfacePoint& point) const;
-  std::vector<Present> presentAt(double lambda, double step) const;
-  void giveWay(std::vector<Present>& present, double lambda, LogMapScratch& scratch) const;
+  std::vector<ActiveElement> activeAt(double lambda, double step) const;
+  void shrinkOverlapping(std::vector<ActiveElement>& active, double lambda, LogMapScratch& scratch) const;
   double distanceBetween(const SingularState& a, const SingularState& b, LogMapScratch& scratch) const;
-  void addDisc(const Present& storm, double share, LogMapScratch& scratch, std::vector<Target>& targets) const;
-  /// Adds the joint field of a pair; the share that is left for each storm alone.
-  double addPair(Present a, Present b, LogMapScratch& scratch, std::vector<Target>& targets) const;
+  void addDisc(const ActiveElement& active, double share, LogMapScratch& scratch, std::vector<Target>& targets) const;
+  /// Adds the joint field of a pair; returns the share that is left for each element alone.
+  double addPair(ActiveElement a, ActiveElement b, LogMapScratch& scratch, std::vector<Target>& targets) const;
   double density(double radius) const;
 
   const VertexCharts& charts_;
   const ClosestPointQuery& query_;
   const std::vector<DesignElement>& elements_;
   double stiffness_ = 0.0;
-  std::vector<Storm> storms_;
+  std::vector<SingularTrack> tracks_;
 };
 
 }  // namespace stormfield

@@ -9,7 +9,7 @@ namespace stormfield {
 
 namespace {
 
-constexpr std::size_t kMostPiecesPerSegment = 4096;
+constexpr std::size_t kMaxPiecesPerSegment = 4096;
 
 void checkOnSurface(const DesignElement& element, std::size_t i, double distance) {
   if (distance <= element.radius) return;
@@ -43,10 +43,10 @@ SurfacePath::SurfacePath(const TriangleMesh& mesh, const ClosestPointQuery& quer
     if (i > 0) {
       const Vec3 from = positions_.back();
       const double pieces = std::ceil((target - from).norm() / (0.5 * mesh.meanEdgeLength()));
-      const std::size_t count = std::min(kMostPiecesPerSegment, static_cast<std::size_t>(pieces));
+      const std::size_t count = std::min(kMaxPiecesPerSegment, static_cast<std::size_t>(pieces));
       for (std::size_t k = 1; k < count; ++k) {
-        const double part = static_cast<double>(k) / static_cast<double>(count);
-        points_.push_back(query.closest(Vec3(from + part * (target - from))).point);
+        const double fraction = static_cast<double>(k) / static_cast<double>(count);
+        points_.push_back(query.closest(Vec3(from + fraction * (target - from))).point);
         positions_.push_back(position(mesh, points_.back()));
       }
     }
@@ -73,8 +73,8 @@ SurfacePath::SurfacePath(const TriangleMesh& mesh, const ClosestPointQuery& quer
     const std::size_t a = drawnAt[i - 1], b = drawnAt[i];
     const double span = arc_[b] - arc_[a];
     for (std::size_t k = a + 1; k <= b; ++k) {
-      const double part = span > 0.0 ? (arc_[k] - arc_[a]) / span : 1.0;
-      lambda_[k] = drawn[i - 1] + part * (drawn[i] - drawn[i - 1]);
+      const double fraction = span > 0.0 ? (arc_[k] - arc_[a]) / span : 1.0;
+      lambda_[k] = drawn[i - 1] + fraction * (drawn[i] - drawn[i - 1]);
     }
   }
 }
@@ -85,8 +85,8 @@ Vec3 SurfacePath::positionAt(double lambda) const {
   const std::size_t k =
       static_cast<std::size_t>(std::upper_bound(lambda_.begin(), lambda_.end(), lambda) - lambda_.begin());
   const double span = lambda_[k] - lambda_[k - 1];
-  const double part = span > 0.0 ? (lambda - lambda_[k - 1]) / span : 0.0;
-  return positions_[k - 1] + part * (positions_[k] - positions_[k - 1]);
+  const double fraction = span > 0.0 ? (lambda - lambda_[k - 1]) / span : 0.0;
+  return positions_[k - 1] + fraction * (positions_[k] - positions_[k - 1]);
 }
 
 SurfacePoint SurfacePath::at(double lambda) const {

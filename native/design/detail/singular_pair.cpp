@@ -1,4 +1,4 @@
-#include "design/detail/storm_pair.h"
+#include "design/detail/singular_pair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,12 +11,12 @@ Complex unit(Complex a) {
   return std::abs(a) > 0.0 ? a / std::abs(a) : Complex(1.0);
 }
 
-double mixed(double a, double b, double partOfB) {
-  return a + partOfB * (b - a);
+double mixed(double a, double b, double weightOfB) {
+  return a + weightOfB * (b - a);
 }
 
-/// How much the directions from b and from the saddle turn storm a, seen from a.
-Complex turnAt(const TriangleMesh& mesh, const SurfacePoint& a, const LogMap& other, const LogMap& saddle) {
+/// Unit factor by which the arrival directions of the other element and of the saddle rotate the field at a.
+Complex rotationAt(const TriangleMesh& mesh, const SurfacePoint& a, const LogMap& other, const LogMap& saddle) {
   Complex sum = 0.0;
   for (int k = 0; k < 3; ++k) {
     const Index v = mesh.vertex(a.face, k);
@@ -28,22 +28,22 @@ Complex turnAt(const TriangleMesh& mesh, const SurfacePoint& a, const LogMap& ot
 
 }  // namespace
 
-double StormPair::joint() const {
+double SingularPair::joint() const {
   const double touching = a.radius + b.radius, inside = std::max(a.radius, b.radius);
   return smoothStep((touching - distance) / (touching - inside));
 }
 
-double StormPair::closeness() const {
+double SingularPair::closeness() const {
   return smoothStep(1.0 - 2.0 * distance / (a.radius + b.radius));
 }
 
-std::vector<PairTarget> pairTargets(const TriangleMesh& mesh, const StormPair& pair, const LogMap& mapA,
+std::vector<PairTarget> pairTargets(const TriangleMesh& mesh, const SingularPair& pair, const LogMap& mapA,
                                     const LogMap& mapB, const LogMap& mapSaddle) {
   const double closeness = pair.closeness();
   const double radiusA = mixed(pair.a.radius, pair.single.radius, closeness);
   const double radiusB = mixed(pair.b.radius, pair.single.radius, closeness);
-  const Complex rotA = rotation(pair.a.kind) * std::conj(turnAt(mesh, pair.a.point, mapB, mapSaddle));
-  const Complex rotB = rotation(pair.b.kind) * std::conj(turnAt(mesh, pair.b.point, mapA, mapSaddle));
+  const Complex rotA = rotation(pair.a.kind) * std::conj(rotationAt(mesh, pair.a.point, mapB, mapSaddle));
+  const Complex rotB = rotation(pair.b.kind) * std::conj(rotationAt(mesh, pair.b.point, mapA, mapSaddle));
   const Complex rotSingle = rotation(pair.single.kind);
 
   std::vector<PairTarget> targets;
@@ -53,17 +53,17 @@ std::vector<PairTarget> pairTargets(const TriangleMesh& mesh, const StormPair& p
     const double fromA = ea.distance, fromB = eb->distance, nearest = std::min(fromA, fromB);
     const double cover = 1.0 - (1.0 - falloff(fromA / radiusA)) * (1.0 - falloff(fromB / radiusB));
     if (!(cover > 0.0)) continue;
-    const double partOfB = fromA * fromA / (fromA * fromA + fromB * fromB);
-    const Complex ownRot = unit((1.0 - partOfB) * rotA + partOfB * rotB);
+    const double weightOfB = fromA * fromA / (fromA * fromA + fromB * fromB);
+    const Complex ownRot = unit((1.0 - weightOfB) * rotA + weightOfB * rotB);
     const Complex rot = unit((1.0 - closeness) * ownRot + closeness * rotSingle);
-    const double speed = mixed(mixed(pair.a.speed, pair.b.speed, partOfB), pair.single.speed, closeness);
-    const double core = kCore * mixed(radiusA, radiusB, partOfB);
-    // Cores as small as the pair needs to keep three zeros apart, inside the core of the storm they become.
+    const double speed = mixed(mixed(pair.a.speed, pair.b.speed, weightOfB), pair.single.speed, closeness);
+    const double core = kCore * mixed(radiusA, radiusB, weightOfB);
+    // Cores as small as the pair needs to keep three zeros apart, inside the core of the element they become.
     const double small = std::min(core, pair.distance / 3.0);
     const double profile = speedProfile(fromA, small) * speedProfile(fromB, small) * speedProfile(es->distance, small) *
                            std::hypot(nearest, small) / std::hypot(nearest, core);
     targets.push_back({ea.vertex, speed * profile * rot * ea.arrival * eb->arrival * std::conj(es->arrival), cover,
-                       std::min(mixed(radiusA, radiusB, partOfB), std::max(pair.distance, nearest)),
+                       std::min(mixed(radiusA, radiusB, weightOfB), std::max(pair.distance, nearest)),
                        fromA < kCore * radiusA || fromB < kCore * radiusB});
   }
   return targets;
