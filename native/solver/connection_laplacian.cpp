@@ -7,10 +7,10 @@
 namespace stormfield {
 namespace {
 
-/// Slivers would give weights that drown all others.
-constexpr double kLargestWeight = 1e4;
+/// Weights of slivers are cut here: larger ones would make the others round-off.
+constexpr double kMaxWeight = 1e4;
 /// Weights of right angles that rounding makes a little positive.
-constexpr double kSmallestWeight = 1e-12;
+constexpr double kMinWeight = 1e-12;
 
 double oppositeCotangent(const TriangleMesh& mesh, Index h) {
   return 1.0 / std::tan(mesh.cornerAngle(TriangleMesh::prev(h)));
@@ -23,7 +23,7 @@ std::vector<double> edgeWeights(const TriangleMesh& mesh) {
     double w = oppositeCotangent(mesh, h);
     if (mesh.twin(h) != kNone) w += oppositeCotangent(mesh, mesh.twin(h));
     w *= 0.5;
-    weights[e] = w < kSmallestWeight ? 0.0 : std::min(w, kLargestWeight);
+    weights[e] = w < kMinWeight ? 0.0 : std::min(w, kMaxWeight);
   }
   return weights;
 }

@@ -1,4 +1,5 @@
-// The connection Laplacian of tangent vectors on a surface (thesis eq. 4.1, 11.2, carried to tangent planes).
+// The connection Laplacian of tangent vectors on a surface (thesis eq. 4.1, 11.2, carried to tangent planes; Sharp,
+// Soliman, Crane 2019, The Vector Heat Method).
 //
 // Energy: sum over edges of w_e |V_head - transport V_tail|^2, with the cotangent weights w_e = (cot a + cot b) / 2 of
 // the angles opposite to e (one angle at a boundary: the boundary is natural). Weights below zero (an edge that is not

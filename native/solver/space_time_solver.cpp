@@ -25,12 +25,6 @@ constexpr double kBestAccuracy = 1e-5;
 /// Room for the difference between the residual that is carried along and the true one.
 constexpr double kSafety = 0.99;
 
-std::vector<double> uniformLambdas(Index samples) {
-  std::vector<double> lambdas(samples, 0.0);
-  for (Index j = 1; j < samples; ++j) lambdas[j] = static_cast<double>(j) / (samples - 1);
-  return lambdas;
-}
-
 /// The power of two below a positive length: dividing by it loses nothing.
 double scaleOf(double length) {
   return std::exp2(std::ilogb(length));
@@ -184,7 +178,7 @@ class SpaceTimeSolver::Solve {
   }
   void allocateField() {
     result_.field.charts = charts_;
-    result_.field.lambdas = uniformLambdas(options_.samples);
+    result_.field.lambdas = evenLambdas(options_.samples);
     result_.field.values = FieldValues(static_cast<std::size_t>(options_.samples) * charts_->mesh().vertexCount(),
                                        std::exchange(state_.vectors.work, {}));
   }

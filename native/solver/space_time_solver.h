@@ -12,38 +12,29 @@
 // 1 / 64^2, dlambda = 1 / 99 and the spatial weights add up to 4:
 //     c^2 = 4 omega 64^2 / 99^2,    k_i = 4 omega (64 (samples - 1) / 99)^2 A_i / A.
 //
-// How it is solved, and why so. The system is Hermitian and positive definite, matrix-free: a sparse matrix on the
-// surface, three numbers per vertex for lambda. Its coupling along lambda is up to some 10 times that of an edge on
-// ordinary meshes (and far less on fine ones with few samples), so the smoother solves each vertex's whole line of
-// samples exactly, Gauss-Seidel over the vertices, and the surface is coarsened by classical algebraic multigrid with
-// interpolation along the connection. Lambda is halved along with it where it is strong: the steps stay the same with
-// and without, and all coarse levels together take about a quarter of a cycle. One V-cycle preconditions a Krylov
-// method (krylov.h). Arithmetic is float32; below what that reaches, the residual is double and solved for anew: at a
-// tolerance of 1e-11 fields agree with a direct solve to 1e-8.
+// How it is solved. The system is Hermitian and positive definite, matrix-free: a sparse matrix on the surface, three
+// numbers per vertex for lambda. Its coupling along lambda is up to some 10 times that of an edge on ordinary meshes
+// (and far less on fine ones with few samples), so the smoother solves each vertex's whole line of samples exactly,
+// Gauss-Seidel over the vertices (line relaxation: Trottenberg, Oosterlee, Schueller 2001, Multigrid, chapter 5). The
+// surface is coarsened by classical algebraic multigrid (Ruge, Stueben 1987) with interpolation along the connection;
+// lambda is halved along with it where its coupling is strong. One V-cycle preconditions conjugate gradients
+// (detail/krylov.h). Arithmetic is float32; below what that reaches, iterative refinement solves for the residual in
+// double precision: at a tolerance of 1e-11 fields agree with a direct solve to 1e-8. Cost, memory and measured errors:
+// docs/performance.md.
 //
-// Measured on 2 cores that had other work, 20k vertices x 100 samples, two storms of weight 4e5, default options, in
-// units of the processor time of one plain stencil sweep: 21 from zero (3 steps; plain Jacobi-CG: 960, 315 steps), 12
-// from the state of the last solve after one storm moved by a tenth of its radius (2 steps). Sums over neighbours take
-// AVX2 where there is; in sweeps that do so too they are 30 and 17. The field is then 0.44 % and 0.29 % from the exact
-// one, estimated as 0.36 % and 0.30 %; in tests of other surfaces and designs it was 0.005 to 0.44 %. Peak memory: 7.8
-// unknown vectors, of which a state keeps 4.6. User time of hierarchy and solve grows with n^1.01 from 20k x 20 to
-// 200k x 20.
-//
-// What makes an edit cheap: the state keeps the solution in the solver's own layout, its residual (rows whose
-// constraints stay keep theirs) and the factors of the lines (rows whose weights stay keep theirs); the first cycle's
-// sweeps pass over chunks of rows where the residual is small, which is all that lies far from what moved; and the
-// result is written into the memory that the iteration worked in. The residual at the end is taken anew, in single
-// precision unless the tolerance is out of its reach. The solve stops when it is short enough and the field is near
-// enough to the exact one: both, because either may be long before the other.
+// Edits are cheap: the state keeps the solution in the solver's own layout, its residual (rows whose constraints stay
+// keep theirs) and the factors of the lines (rows whose weights stay keep theirs); the first cycle's sweeps leave out
+// chunks of rows where the residual is small, which is all that lies far from the edit; and the result is written into
+// the memory that the iteration worked in. The residual at the end is computed anew, in single precision unless the
+// tolerance is out of its reach. The solve stops when both residual and estimated error are small enough.
 //
 // Constraints at vertices that no face uses have no effect. Throws InputError without constraints and for bad ones
 // (constraint_rows.h), SolverError when the tolerance or the accuracy is out of reach, Cancelled.
 //
-//   SpaceTimeSolver solver(charts);
-//   Progress progress;
+//   const SpaceTimeSolver solver(charts);
 //   SpaceTimeState state;
-//   SpaceTimeResult first = solver.solve(constraints, progress, state);
-//   SpaceTimeResult again = solver.solve(movedConstraints, progress, state);
+//   const SpaceTimeResult first = solver.solve(constraints, progress, state);
+//   const SpaceTimeResult again = solver.solve(movedConstraints, progress, state);
 #pragma once
 
 #include <memory>
@@ -68,7 +59,7 @@ struct SpaceTimeOptions {
 struct SpaceTimeResult {
   ParameterizedField field;
   int iterations = 0;
-  double residual = 0.0;  ///< true relative residual of the field: taken anew, not carried along
+  double residual = 0.0;  ///< true relative residual of the field: computed anew, not updated along
   double error = 0.0;     ///< estimated difference to the exact field, relative, in the mean square
   /// Components of the mesh without any constraint: their field is zero.
   std::vector<Index> componentsWithoutConstraint;

@@ -14,7 +14,7 @@ struct SurfaceMatrix {
   std::vector<Index> column;
   std::vector<Complex> value;
   std::vector<double> diagonal;  ///< real: the matrix is Hermitian
-  std::vector<double> mass;      ///< vertex area as a part of the whole area
+  std::vector<double> mass;      ///< vertex area as a fraction of the whole area
 
   Index rows() const { return static_cast<Index>(diagonal.size()); }
 };

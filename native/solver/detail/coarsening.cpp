@@ -9,12 +9,12 @@
 namespace stormfield {
 namespace {
 
-/// A neighbour is strong when its weight is at least this part of the row's largest.
+/// A neighbour is strong when its weight is at least this fraction of the row's largest.
 constexpr double kStrong = 0.4;
-/// A fine vertex interpolates from its coarse neighbours alone when they carry this part of its strong weight.
+/// A fine vertex interpolates from its coarse neighbours alone when they carry this fraction of its strong weight.
 constexpr double kEnoughSupport = 0.45;
-/// Most terms of one interpolated vector.
-constexpr std::size_t kMostTerms = 6;
+/// Upper limit on the terms of one interpolated vector.
+constexpr std::size_t kMaxTerms = 6;
 
 struct Term {
   Index column;
@@ -42,32 +42,32 @@ void appendRows(Index rows, std::vector<std::size_t>& start, std::vector<Index>&
                 const MakeRow& makeRow) {
   constexpr Index kBlock = 1024;
   const Index blocks = (rows + kBlock - 1) / kBlock;
-  struct Part {
+  struct Block {
     std::vector<std::size_t> lengths;
     std::vector<Term> terms;
   };
-  std::vector<Part> parts(blocks);
+  std::vector<Block> rowsOfBlock(blocks);
   tbb::parallel_for(Index{0}, blocks, [&](Index b) {
     Row row;
     for (Index i = b * kBlock; i < std::min(rows, (b + 1) * kBlock); ++i) {
       row.clear();
       makeRow(i, row);
-      parts[b].lengths.push_back(row.size());
-      parts[b].terms.insert(parts[b].terms.end(), row.begin(), row.end());
+      rowsOfBlock[b].lengths.push_back(row.size());
+      rowsOfBlock[b].terms.insert(rowsOfBlock[b].terms.end(), row.begin(), row.end());
     }
   });
   std::size_t terms = column.size();
-  for (const Part& part : parts) terms += part.terms.size();
+  for (const Block& block : rowsOfBlock) terms += block.terms.size();
   start.reserve(start.size() + rows);
   column.reserve(terms);
   value.reserve(terms);
-  for (Part& part : parts) {
-    for (const std::size_t length : part.lengths) start.push_back(start.back() + length);
-    for (const Term& term : part.terms) {
+  for (Block& block : rowsOfBlock) {
+    for (const std::size_t length : block.lengths) start.push_back(start.back() + length);
+    for (const Term& term : block.terms) {
       column.push_back(term.column);
       value.push_back(term.value);
     }
-    part = {};
+    block = {};
   }
 }
 
@@ -126,10 +126,10 @@ std::vector<char> pickCoarse(const SurfaceMatrix& matrix, const std::vector<doub
 
 /// Keeps the largest terms and makes their absolute values add up to one.
 void normalise(Row& row) {
-  if (row.size() > kMostTerms) {
+  if (row.size() > kMaxTerms) {
     std::stable_sort(row.begin(), row.end(),
                      [](const Term& a, const Term& b) { return std::abs(a.value) > std::abs(b.value); });
-    row.resize(kMostTerms);
+    row.resize(kMaxTerms);
     std::sort(row.begin(), row.end(), [](const Term& a, const Term& b) { return a.column < b.column; });
   }
   double sum = 0.0;

@@ -1,5 +1,5 @@
-// One step of coarsening of a surface matrix: a subset of the vertices and the interpolation from it (thesis-free
-// numerics: Ruge and Stueben's classical algebraic multigrid, with tangent vectors carried along the edges).
+// One step of coarsening of a surface matrix: a subset of the vertices and the interpolation from it (Ruge,
+// Stueben 1987, Algebraic Multigrid: classical coarsening and interpolation, with tangent vectors carried along edges).
 //
 // Coarse vertices are picked such that every other vertex has a strong neighbour among them. A vector at a fine vertex
 // is the mean of the vectors of its coarse neighbours, each carried over: the entries of the interpolation are positive

@@ -16,7 +16,7 @@
 namespace stormfield {
 namespace {
 
-/// Hard values closer than this part of their length are the same.
+/// Hard values closer than this fraction of their length are the same.
 constexpr double kSameValue = 1e-9;
 
 bool differ(Complex a, Complex b) {

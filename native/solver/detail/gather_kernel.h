@@ -60,8 +60,8 @@ inline void addTimesI(VectorOf<Bytes, Real>& v, const VectorOf<Bytes, Real>& w) 
   }
 }
 
-/// Calls finish(offset, sum over the couplings of entry times neighbour row) for Width vectors from offset k. The two
-/// parts of each entry are summed apart, so that the inner loop needs no shuffles.
+/// Calls finish(offset, sum over the couplings of entry times neighbour row) for Width vectors from offset k. The
+/// real and imaginary factors of each entry are summed apart, so that the inner loop needs no shuffles.
 template <int Bytes, int Width, typename Real, typename Finish>
 inline void gatherBlock(const CouplingOf<Real>* first, const CouplingOf<Real>* last, const Real* x, std::size_t stride,
                         std::size_t k, const Finish& finish) {
@@ -87,10 +87,10 @@ template <int Bytes, typename Real, typename Finish>
 inline void gatherRow(const CouplingOf<Real>* first, const CouplingOf<Real>* last, const Real* x, std::size_t stride,
                       const Finish& finish) {
   constexpr std::size_t kLanes = Bytes / sizeof(Real);
-  constexpr int kRest = 32 / Bytes;
+  constexpr int kTail = 32 / Bytes;
   std::size_t k = 0;
   for (; k + 4 * kLanes <= stride; k += 4 * kLanes) gatherBlock<Bytes, 4>(first, last, x, stride, k, finish);
-  for (; k < stride; k += kRest * kLanes) gatherBlock<Bytes, kRest>(first, last, x, stride, k, finish);
+  for (; k < stride; k += kTail * kLanes) gatherBlock<Bytes, kTail>(first, last, x, stride, k, finish);
 }
 
 }  // namespace stormfield::kernels

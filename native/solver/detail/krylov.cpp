@@ -12,12 +12,12 @@
 namespace stormfield {
 namespace {
 
-/// The length of the next residual follows from inner products when it is no shorter than this part of the last one;
-/// below, their rounding shows.
+/// The length of the next residual follows from inner products when it is no shorter than this fraction of the last
+/// one; below, their rounding shows.
 constexpr double kTrustedGain = 0.03;
-/// Part of the first residual that the first step may leave alone, where that saves work.
-constexpr double kSilentPart = 3e-3;
-/// No step is trusted to leave less than this part of the error, nor the first one less than half.
+/// Fraction of the first residual that the first step may leave out, where that saves work.
+constexpr double kSkippedFraction = 3e-3;
+/// No step is trusted to leave less than this fraction of the error, nor the first one less than half.
 constexpr double kBestGain = 0.15;
 constexpr double kFirstGain = 0.5;
 
@@ -50,26 +50,27 @@ class Iteration {
  private:
   bool met() const { return length_ <= goal_.residual && outcome_.error <= goal_.error; }
 
-  /// Chunks that are passed over in the first half of a cycle: the smallest residuals, together a small part of all.
-  std::vector<char> silentChunks() const {
+  /// Chunks that the sweeps of the first cycle leave out: the smallest residuals, together kSkippedFraction of the
+  /// whole.
+  Multigrid::ChunkMask skippedChunks() const {
     std::vector<Index> order(squares_.size());
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(),
               [&](Index a, Index b) { return std::pair(squares_[a], a) < std::pair(squares_[b], b); });
-    std::vector<char> silent(squares_.size(), 0);
+    Multigrid::ChunkMask skipped(squares_.size(), 0);
     double sum = 0.0;
     for (const Index chunk : order) {
       sum += squares_[chunk];
-      if (sum > kSilentPart * kSilentPart * length_ * length_) break;
-      silent[chunk] = 1;
+      if (sum > kSkippedFraction * kSkippedFraction * length_ * length_) break;
+      skipped[chunk] = 1;
     }
-    return silent;
+    return skipped;
   }
 
   /// p = M r, conjugate to the last p.
   void nextDirection() {
     if (outcome_.steps == 0) {
-      multigrid_.apply(r_, p_, silentChunks(), progress_);
+      multigrid_.apply(r_, p_, skippedChunks(), progress_);
       return;
     }
     const float beta = static_cast<float>(multigrid_.apply(r_, z_, {}, progress_) / products_.residualStep);
@@ -82,12 +83,12 @@ class Iteration {
   }
 
   /// Length of r - alpha A p.
-  double foreseen(double alpha) const {
+  double predictedLength(double alpha) const {
     const double square = length_ * length_ - alpha * (2.0 * products_.residualImage - alpha * products_.imageImage);
     return std::sqrt(std::max(square, 0.0));
   }
   bool reaches(double alpha) const {
-    return foreseen(alpha) <= goal_.residual && foreseen(alpha) >= kTrustedGain * length_;
+    return predictedLength(alpha) <= goal_.residual && predictedLength(alpha) >= kTrustedGain * length_;
   }
 
   /// Of x after the step alpha p, relative to x as long as it was last time; infinite where that is not known.
@@ -114,7 +115,7 @@ class Iteration {
       }
       squares_[chunk] = square;
     });
-    length_ = last ? foreseen(alpha) : lengthOf(squares_);
+    length_ = last ? predictedLength(alpha) : lengthOf(squares_);
     if (!last) solution_ = lengthOf(solution);
   }
 
@@ -128,10 +129,10 @@ class Iteration {
       return false;
     }
     double alpha = products_.residualStep / products_.stepImage;
-    const double shortest = products_.residualImage / products_.imageImage;
+    const double minimizing = products_.residualImage / products_.imageImage;
     const double stepLength = std::abs(alpha) * std::sqrt(products_.stepStep);
     const bool exact = estimatedError(stepLength) <= goal_.error;
-    if (exact && !reaches(alpha) && reaches(shortest)) alpha = shortest;
+    if (exact && !reaches(alpha) && reaches(minimizing)) alpha = minimizing;
     advance(alpha, q, exact && reaches(alpha));
     outcome_.error = estimatedError(stepLength);
     lastStep_ = stepLength;

@@ -1,17 +1,14 @@
-// The Krylov iteration on the finest level, in single precision: conjugate gradients, preconditioned by one multigrid
-// cycle per step, with a last step that serves the residual where it must.
+// The Krylov iteration on the finest level, in single precision: conjugate gradients (Hestenes, Stiefel 1952),
+// preconditioned by one multigrid cycle per step.
 //
-// When to stop. A residual alone says little of the field: heavy constraints rule its norm, and an error that is smooth
-// hardly shows in it (two storms of weight 4e5 on 20k vertices x 100 samples, relative residual 9e-5: the field of a
-// minimal-residual iteration was 3 % off). So the error is estimated, in the mean square over surface and lambda: with
-// a preconditioner this good each step takes away most of the error, and the steps' lengths fall like the errors, so
-// that step * q / (1 - q) is left after a step that is q times as long as the one before. It is an estimate and no
-// bound; measured against converged fields it is 0.7 to 3 times the error.
+// When to stop. The residual's norm is dominated by heavy constraints, and a smooth error hardly shows in it. So the
+// error is estimated as well, in the mean square over surface and lambda: with this preconditioner each step removes
+// most of the error, and the steps' lengths fall like the errors, so that step * q / (1 - q) is left after a step that
+// is q times as long as the one before. It is an estimate and no bound: docs/performance.md compares it to errors.
 //
-// Why conjugate gradients: they minimise the error in the energy, minimal residuals the residual, and a smooth error
-// with it only slowly (one and the same cycle, the same storms, after 3 steps: 0.4 % against 1.1 %). The step that ends
-// the iteration may have the length that minimises the residual instead: that has the same direction, and saves a whole
-// step where only the residual is still too long.
+// Conjugate gradients minimise the error in the energy; minimal residuals reduce a smooth error only slowly. The step
+// that ends the iteration may have the length that minimises the residual instead: it has the same direction, and saves
+// a step where only the residual is still too long.
 #pragma once
 
 #include "solver/detail/multigrid.h"

@@ -23,7 +23,7 @@ struct LambdaGrid {
 LambdaGrid finestLambdaGrid(Index samples);
 LambdaGrid coarsened(const LambdaGrid& fine);
 
-/// Both act on one row of complex values, padded on both grids; what is beyond the samples is zero before and after.
+/// Both act on one row of complex values, padded on both grids; the padding is zero before and after.
 void restrictLambda(const float* fine, Index fineSamples, float* coarse);
 void addProlongedLambda(const float* coarse, Index fineSamples, float* fine);
 

@@ -11,29 +11,28 @@ namespace {
 
 constexpr Index kBlock = 256;
 
-/// Where a weight is much larger than the couplings of the surface, the fine levels hold the value and the coarser ones
-/// must not spread the weight to what lies beside it: no more than this times the diagonal is handed on. (Two storms of
-/// weight 4e5, 20k vertices x 100 samples, from zero: what is left of the error after 3 steps is 0.4 % with 1.3, 0.9 %
-/// with 2, 3.6 % with 4, 0.7 % with 0.8.)
-constexpr double kMostWeight = 1.3;
+/// No weight larger than this times the diagonal is restricted: where a weight is much larger than the couplings of the
+/// surface, the fine levels hold the value, and coarser ones would spread the weight to the neighbours. Chosen by the
+/// error after 3 steps (docs/performance.md).
+constexpr double kMaxWeight = 1.3;
 
-/// Pivots below this part of the diagonal are zero: a line without constraint on a surface without curvature.
-constexpr double kSmallestPivot = 1e-12;
+/// Pivots below this fraction of the diagonal are zero: a line without constraint on a surface without curvature.
+constexpr double kMinPivot = 1e-12;
 
 double guardedInverse(double pivot, double diagonal) {
-  return pivot > kSmallestPivot * diagonal && std::isfinite(diagonal) ? 1.0 / pivot : 0.0;
+  return pivot > kMinPivot * diagonal && std::isfinite(diagonal) ? 1.0 / pivot : 0.0;
 }
 
-/// What each weight hands on to the coarser levels.
+/// The part of each weight that is restricted to the coarser levels.
 std::vector<double> limited(const LevelWeights& weights, const SurfaceLevel& level) {
   std::vector<double> result(weights.entries.size());
   tbb::parallel_for(tbb::blocked_range<Index>(0, level.rows(), kBlock), [&](const auto& range) {
     for (Index i = range.begin(); i != range.end(); ++i) {
-      const double largest = kMostWeight * level.diagonal[i];
+      const double limit = kMaxWeight * level.diagonal[i];
       for (std::size_t k = weights.start[i]; k < weights.start[i + 1]; ++k) {
         const auto [j, weight] = weights.entries[k];
-        const double most = largest * level.lambda.mass[j];
-        result[k] = std::isinf(weight) ? most : weight * most / (weight + most);
+        const double bound = limit * level.lambda.mass[j];
+        result[k] = std::isinf(weight) ? bound : weight * bound / (weight + bound);
       }
     }
   });
@@ -65,18 +64,18 @@ LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, cons
   const Index rows = static_cast<Index>(from.restriction.start.size()) - 1;
   const Index fineSamples = from.lambda.samples();
   const bool halved = to.samples() != fineSamples;
-  const std::vector<double> handedOn = limited(fine, from);
-  std::vector<LevelWeights> parts((rows + kBlock - 1) / kBlock);
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+  const std::vector<double> restrictedWeight = limited(fine, from);
+  std::vector<LevelWeights> blocks((rows + kBlock - 1) / kBlock);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
     std::vector<double> line(to.samples(), 0.0);
-    const Index first = static_cast<Index>(part) * kBlock;
+    const Index first = static_cast<Index>(block) * kBlock;
     for (Index row = first; row < std::min(rows, first + kBlock); ++row) {
       bool any = false;
       for (const kernels::Coupling* c = from.restriction.begin(row); c != from.restriction.end(row); ++c) {
         const double share = std::sqrt(c->re * c->re + c->im * c->im);
         for (std::size_t k = fine.start[c->column]; k < fine.start[c->column + 1]; ++k) {
           const Index j = fine.entries[k].sample;
-          const double w = share * handedOn[k];
+          const double w = share * restrictedWeight[k];
           any = true;
           if (!halved) {
             line[j] += w;
@@ -90,19 +89,19 @@ LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, cons
       }
       if (any) {
         for (Index j = 0; j < to.samples(); ++j) {
-          if (line[j] != 0.0) parts[part].entries.push_back({j, line[j]});
+          if (line[j] != 0.0) blocks[block].entries.push_back({j, line[j]});
           line[j] = 0.0;
         }
       }
-      parts[part].start.push_back(parts[part].entries.size());
+      blocks[block].start.push_back(blocks[block].entries.size());
     }
   });
   LevelWeights result;
   result.start.reserve(rows + 1);
-  for (const LevelWeights& part : parts) {
+  for (const LevelWeights& block : blocks) {
     const std::size_t offset = result.entries.size();
-    result.entries.insert(result.entries.end(), part.entries.begin(), part.entries.end());
-    for (std::size_t k = 1; k < part.start.size(); ++k) result.start.push_back(offset + part.start[k]);
+    result.entries.insert(result.entries.end(), block.entries.begin(), block.entries.end());
+    for (std::size_t k = 1; k < block.start.size(); ++k) result.start.push_back(offset + block.start[k]);
   }
   return result;
 }
@@ -130,21 +129,21 @@ void updatePivots(const SurfaceLevel& level, const LevelWeights& weights, const 
       for (std::size_t e = weights.start[i]; e < weights.start[i + 1]; ++e) {
         pivot[weights.entries[e].sample] += weights.entries[e].weight;
       }
-      // The two rows of a pair take turns in memory.
+      // The two rows of a pair alternate in memory.
       const bool pair = i < level.sweep.pairEnd[chunk];
       const Index even = pair ? i - (i - first) % 2 : i;
       float* out = inverse + static_cast<std::size_t>(even) * samples + (i - even);
       const Index step = pair ? 2 : 1;
       // Away from constraints the pivots soon repeat, and the division can be left out.
-      double lastPivot = -1.0, lastTaken = 0.0, one = 0.0;
+      double lastPivot = -1.0, lastTaken = 0.0, reciprocal = 0.0;
       auto eliminate = [&](Index j, double taken) {
         if (pivot[j] != lastPivot || std::abs(taken - lastTaken) > 1e-10 * lastPivot) {
-          one = guardedInverse(pivot[j] - taken, pivot[j]);
+          reciprocal = guardedInverse(pivot[j] - taken, pivot[j]);
           lastPivot = pivot[j];
           lastTaken = taken;
         }
-        out[j * step] = static_cast<float>(one);
-        return k * k * one;
+        out[j * step] = static_cast<float>(reciprocal);
+        return k * k * reciprocal;
       };
       double above = 0.0;
       for (Index j = 0; j < middle; ++j) above = eliminate(j, above);

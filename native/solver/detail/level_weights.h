@@ -19,11 +19,11 @@ struct LevelWeights {
 };
 
 LevelWeights finestWeights(const ConstraintRows& constraints);
-/// Lumped: what the fine rows weigh is shared out with the interpolation weights. A fixed value weighs as much as the
-/// couplings it cuts.
+/// Lumped: the weights of the fine rows are distributed with the interpolation weights. A fixed value weighs as much as
+/// the couplings it cuts.
 LevelWeights restricted(const LevelWeights& fine, const SurfaceLevel& from, const LambdaGrid& to);
 /// Reciprocal pivots of every row's line (kernels::solveLine, solveTwoLines), zero where the value is fixed. `inverse`
-/// holds those of the weights `before` (none: no rows), and rows with the same weights are passed over.
+/// holds those of the weights `before` (none: no rows), and rows with the same weights are left out.
 void updatePivots(const SurfaceLevel& level, const LevelWeights& weights, const LevelWeights& before, float* inverse);
 
 }  // namespace stormfield

@@ -55,7 +55,7 @@ inline void solveTwoLines(const float* inverse, float coupling0, float coupling1
   const Index middle = samples / 2;
   const Vector coupling = {coupling0, coupling0, coupling1, coupling1};
   Vector above = {}, below = {}, pivot;
-  // Keeps pivot * value, which the way back needs, and hands coupling * pivot * value on.
+  // Keeps pivot * value, which the substitution needs, and passes coupling * pivot * value on.
   auto eliminate = [&](Index j, Vector& carried) {
     loadTwice(inverse + 2 * j, pivot);
     const Vector value = load(y + 4 * j) + carried;

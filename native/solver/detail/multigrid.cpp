@@ -17,24 +17,27 @@ using kernels::Vector;
 /// Symmetric sweeps on the last level, where every row is a component of its own unless coarsening stalled.
 constexpr int kLastLevelSweeps = 2;
 
-/// Masses of the samples for every float of a row, or nothing where all are 1.
+/// Masses of the samples for every float of a row.
 std::vector<float> interleavedMass(const LambdaGrid& lambda) {
   std::vector<float> mass(lambda.stride(), 0.0f);
   for (Index j = 0; j < lambda.samples(); ++j) mass[2 * j] = mass[2 * j + 1] = lambda.mass[j];
   return mass;
 }
 
-/// Gauss-Seidel on one level: x_row solves its line for the values of its neighbours. Rows `whole` see all neighbours,
-/// else those before them only.
+/// Which neighbours a row sees: in a first sweep from zero the later ones are zero.
+enum class Neighbours { Earlier, All };
+
+/// Gauss-Seidel on one level: x_row solves its line for the values of its neighbours.
 class Relaxation {
  public:
-  Relaxation(const SurfaceLevel& level, const float* inverse, const float* mass, const float* b, float* x, bool whole)
+  Relaxation(const SurfaceLevel& level, const float* inverse, const float* mass, const float* b, float* x,
+             Neighbours neighbours)
       : level_(level),
         inverse_(inverse),
         mass_(mass),
         b_(b),
         x_(x),
-        whole_(whole),
+        neighbours_(neighbours),
         stride_(level.lambda.stride()),
         first_(stride_),
         second_(stride_),
@@ -75,7 +78,8 @@ class Relaxation {
  private:
   /// out = b_row - mass * sum of couplings times neighbour rows.
   void gather(Index row, float* out) const {
-    const Coupling* last = whole_ ? level_.couplings.end(row) : level_.couplings.entries.data() + level_.split[row];
+    const Coupling* last = neighbours_ == Neighbours::All ? level_.couplings.end(row)
+                                                          : level_.couplings.entries.data() + level_.split[row];
     kernels::rowSums().residual(level_.couplings.begin(row), last, x_, stride_, mass_, b_ + row * stride_, out);
   }
 
@@ -84,7 +88,7 @@ class Relaxation {
   const float* mass_;
   const float* b_;
   float* x_;
-  bool whole_;
+  Neighbours neighbours_;
   std::size_t stride_;
   std::vector<float> first_, second_, both_;
 };
@@ -95,6 +99,7 @@ Multigrid::Multigrid(const SurfaceHierarchy& hierarchy) : hierarchy_(hierarchy),
   for (std::size_t l = 0; l < data_.size(); ++l) {
     const SurfaceLevel& level = hierarchy.levels[l];
     const std::size_t rows = static_cast<std::size_t>(level.rows());
+    data_[l].mass = interleavedMass(level.lambda);
     data_[l].inverse = FieldBuffer(rows * level.lambda.samples());
     if (l > 0) {
       data_[l].x = FieldBuffer(rows * level.lambda.stride());
@@ -124,86 +129,91 @@ void Multigrid::constrain(const ConstraintRows& constraints, const Progress& pro
   }
 }
 
-double Multigrid::apply(const float* r, float* z, const std::vector<char>& silent, const Progress& progress) {
-  return cycle(0, r, z, silent, progress);
+double Multigrid::apply(const float* r, float* z, const ChunkMask& skipped, const Progress& progress) {
+  return cycle(0, r, z, skipped, progress);
 }
 
-bool Multigrid::touched(Index chunk, const std::vector<char>& silent) const {
+bool Multigrid::besideOthers(Index chunk, const ChunkMask& skipped) const {
   const SurfaceLevel& level = finest();
-  const kernels::Coupling* last = level.couplings.end(level.sweep.chunkStart[chunk + 1] - 1);
+  const Coupling* last = level.couplings.end(level.sweep.chunkStart[chunk + 1] - 1);
   return std::any_of(level.couplings.begin(level.sweep.chunkStart[chunk]), last,
-                     [&](const kernels::Coupling& c) { return !silent[chunkOf_[c.column]]; });
+                     [&](const Coupling& c) { return !skipped[chunkOf_[c.column]]; });
 }
 
-double Multigrid::cycle(std::size_t l, const float* b, float* x, const std::vector<char>& silent,
-                        const Progress& progress) {
+double Multigrid::cycle(std::size_t l, const float* b, float* x, const ChunkMask& skipped, const Progress& progress) {
+  relaxForward(l, b, x, SweepStart::Zero, skipped, progress);
+  if (l + 1 == data_.size()) {
+    for (int s = 1; s < kLastLevelSweeps; ++s) {
+      relaxBackward(l, b, x, skipped, progress);
+      relaxForward(l, b, x, SweepStart::Values, skipped, progress);
+    }
+    return relaxBackward(l, b, x, skipped, progress);
+  }
+  restrictResidual(l, x, skipped, progress);
+  cycle(l + 1, data_[l + 1].b.data(), data_[l + 1].x.data(), {}, progress);
+  prolong(l, x, progress);
+  return relaxBackward(l, b, x, skipped, progress);
+}
+
+void Multigrid::relaxForward(std::size_t l, const float* b, float* x, SweepStart start, const ChunkMask& skipped,
+                             const Progress& progress) {
   const SurfaceLevel& level = hierarchy_.levels[l];
-  LevelData& data = data_[l];
+  const SweepOrder& sweep = level.sweep;
+  const std::size_t stride = level.lambda.stride();
+  const Neighbours neighbours = start == SweepStart::Zero ? Neighbours::Earlier : Neighbours::All;
+  for (Index colour = 0; colour < sweep.colours(); ++colour) {
+    forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], isParallel(level), progress, [&](Index chunk) {
+      if (isSkipped(chunk, skipped)) {
+        std::fill(x + sweep.chunkStart[chunk] * stride, x + sweep.chunkStart[chunk + 1] * stride, 0.0f);
+        return;
+      }
+      Relaxation relax(level, data_[l].inverse.data(), data_[l].mass.data(), b, x, neighbours);
+      for (Index i = sweep.chunkStart[chunk]; i < sweep.pairEnd[chunk]; i += 2) relax.pair(i, 1);
+      for (Index i = sweep.pairEnd[chunk]; i < sweep.chunkStart[chunk + 1]; ++i) relax.single(i, 1);
+    });
+  }
+}
+
+double Multigrid::relaxBackward(std::size_t l, const float* b, float* x, const ChunkMask& skipped,
+                                const Progress& progress) {
+  const SurfaceLevel& level = hierarchy_.levels[l];
+  const SweepOrder& sweep = level.sweep;
+  const std::size_t stride = level.lambda.stride();
+  std::vector<double> products(sweep.chunks(), 0.0);
+  for (Index colour = sweep.colours() - 1; colour >= 0; --colour) {
+    forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], isParallel(level), progress, [&](Index chunk) {
+      if (isSkipped(chunk, skipped) && !besideOthers(chunk, skipped)) return;
+      const Index first = sweep.chunkStart[chunk], last = sweep.chunkStart[chunk + 1];
+      Relaxation relax(level, data_[l].inverse.data(), data_[l].mass.data(), b, x, Neighbours::All);
+      for (Index i = last - 1; i >= sweep.pairEnd[chunk]; --i) relax.single(i, -1);
+      for (Index i = sweep.pairEnd[chunk] - 2; i >= first; i -= 2) relax.pair(i, -1);
+      if (l > 0) return;
+      for (Index i = first; i < last; ++i) products[chunk] += kernels::dotRow(b + i * stride, x + i * stride, stride);
+    });
+  }
+  return std::accumulate(products.begin(), products.end(), 0.0);
+}
+
+void Multigrid::clearHard(std::size_t l, Index row, float* values) const {
+  if (l > 0 || !constraints_->anyHard) return;
+  for (const auto* e = constraints_->begin(row); e != constraints_->end(row); ++e) {
+    if (e->hard()) values[2 * e->sample] = values[2 * e->sample + 1] = 0.0f;
+  }
+}
+
+void Multigrid::restrictResidual(std::size_t l, const float* x, const ChunkMask& skipped, const Progress& progress) {
+  const SurfaceLevel &level = hierarchy_.levels[l], &next = hierarchy_.levels[l + 1];
   const SweepOrder& sweep = level.sweep;
   const CouplingRows& couplings = level.couplings;
   const Index samples = level.lambda.samples();
-  const std::size_t stride = level.lambda.stride();
-  const bool parallel = isParallel(level);
-  const std::vector<float> mass = interleavedMass(level.lambda);
-  const float* inverse = data.inverse.data();
-  auto isSilent = [&](Index chunk) { return !silent.empty() && silent[chunk]; };
-
-  auto forward = [&](bool fromZero) {
-    for (Index colour = 0; colour < sweep.colours(); ++colour) {
-      forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], parallel, progress, [&](Index chunk) {
-        if (isSilent(chunk)) {
-          std::fill(x + sweep.chunkStart[chunk] * stride, x + sweep.chunkStart[chunk + 1] * stride, 0.0f);
-          return;
-        }
-        Relaxation relax(level, inverse, mass.data(), b, x, !fromZero);
-        for (Index i = sweep.chunkStart[chunk]; i < sweep.pairEnd[chunk]; i += 2) relax.pair(i, 1);
-        for (Index i = sweep.pairEnd[chunk]; i < sweep.chunkStart[chunk + 1]; ++i) relax.single(i, 1);
-      });
-    }
-  };
-  std::vector<double> products(sweep.chunks(), 0.0);
-  auto backward = [&] {
-    for (Index colour = sweep.colours() - 1; colour >= 0; --colour) {
-      forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], parallel, progress, [&](Index chunk) {
-        if (isSilent(chunk) && !touched(chunk, silent)) return;
-        Relaxation relax(level, inverse, mass.data(), b, x, true);
-        for (Index i = sweep.chunkStart[chunk + 1] - 1; i >= sweep.pairEnd[chunk]; --i) relax.single(i, -1);
-        for (Index i = sweep.pairEnd[chunk] - 2; i >= sweep.chunkStart[chunk]; i -= 2) relax.pair(i, -1);
-        if (l > 0) return;
-        const Index first = sweep.chunkStart[chunk], last = sweep.chunkStart[chunk + 1];
-        for (Index i = first; i < last; ++i) {
-          products[chunk] += kernels::dotRow(b + i * stride, x + i * stride, stride);
-        }
-      });
-    }
-  };
-  auto product = [&] { return std::accumulate(products.begin(), products.end(), 0.0); };
-
-  forward(true);
-  if (l + 1 == data_.size()) {
-    for (int s = 1; s < kLastLevelSweeps; ++s) {
-      backward();
-      forward(false);
-    }
-    products.assign(products.size(), 0.0);
-    backward();
-    return product();
-  }
-
-  const SurfaceLevel& next = hierarchy_.levels[l + 1];
-  const std::size_t nextStride = next.lambda.stride();
+  const std::size_t stride = level.lambda.stride(), nextStride = next.lambda.stride();
   const bool halved = next.lambda.samples() != samples;
-  auto clearHard = [&](Index row, float* values) {
-    if (l > 0 || !constraints_->anyHard) return;
-    for (const auto* e = constraints_->begin(row); e != constraints_->end(row); ++e) {
-      if (e->hard()) values[2 * e->sample] = values[2 * e->sample + 1] = 0.0f;
-    }
-  };
-
-  // After the forward sweep a row's residual is what the later rows changed since; in silent chunks, what all did.
+  LevelData& data = data_[l];
+  // A row that was relaxed had no residual then: it is what the later rows changed since. A skipped one has that of
+  // all.
   forAllChunks(level, progress, [&](Index chunk) {
-    const bool quiet = isSilent(chunk);
-    if (quiet && !touched(chunk, silent)) {
+    const bool isLeftOut = isSkipped(chunk, skipped);
+    if (isLeftOut && !besideOthers(chunk, skipped)) {
       float* out = data.residual.data();
       std::fill(out + sweep.chunkStart[chunk] * nextStride, out + sweep.chunkStart[chunk + 1] * nextStride, 0.0f);
       return;
@@ -213,9 +223,9 @@ double Multigrid::cycle(std::size_t l, const float* b, float* x, const std::vect
       kernels::prefetchAhead(x, i, level.rows(), stride, 1);
       float* out = data.residual.data() + i * nextStride;
       float* to = halved ? line.data() : out;
-      const Coupling* first = quiet ? couplings.begin(i) : couplings.entries.data() + level.split[i];
-      kernels::rowSums().residual(first, couplings.end(i), x, stride, mass.data(), nullptr, to);
-      clearHard(i, to);
+      const Coupling* first = isLeftOut ? couplings.begin(i) : couplings.entries.data() + level.split[i];
+      kernels::rowSums().residual(first, couplings.end(i), x, stride, data.mass.data(), nullptr, to);
+      clearHard(l, i, to);
       if (halved) {
         std::fill(out + 2 * next.lambda.samples(), out + nextStride, 0.0f);
         restrictLambda(line.data(), samples, out);
@@ -228,24 +238,29 @@ double Multigrid::cycle(std::size_t l, const float* b, float* x, const std::vect
                              data_[l + 1].b.data() + i * nextStride);
     }
   });
-  cycle(l + 1, data_[l + 1].b.data(), data_[l + 1].x.data(), {}, progress);
+}
+
+void Multigrid::prolong(std::size_t l, float* x, const Progress& progress) const {
+  const SurfaceLevel& level = hierarchy_.levels[l];
+  const LambdaGrid& coarse = hierarchy_.levels[l + 1].lambda;
+  const Index samples = level.lambda.samples();
+  const std::size_t stride = level.lambda.stride(), coarseStride = coarse.stride();
+  const bool halved = coarse.samples() != samples;
+  const float* from = data_[l + 1].x.data();
   forAllChunks(level, progress, [&](Index chunk) {
-    std::vector<float> line(nextStride);
-    for (Index i = sweep.chunkStart[chunk]; i < sweep.chunkStart[chunk + 1]; ++i) {
+    std::vector<float> line(coarseStride);
+    for (Index i = level.sweep.chunkStart[chunk]; i < level.sweep.chunkStart[chunk + 1]; ++i) {
       float* own = x + i * stride;
-      const Coupling* first = level.prolongation.begin(i);
-      const Coupling* last = level.prolongation.end(i);
+      const Coupling *first = level.prolongation.begin(i), *last = level.prolongation.end(i);
       if (halved) {
-        kernels::rowSums().sum(first, last, data_[l + 1].x.data(), nextStride, line.data());
+        kernels::rowSums().sum(first, last, from, coarseStride, line.data());
         addProlongedLambda(line.data(), samples, own);
       } else {
-        kernels::rowSums().add(first, last, data_[l + 1].x.data(), nextStride, own);
+        kernels::rowSums().add(first, last, from, coarseStride, own);
       }
-      clearHard(i, own);
+      clearHard(l, i, own);
     }
   });
-  backward();
-  return product();
 }
 
 }  // namespace stormfield

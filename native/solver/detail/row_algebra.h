@@ -6,7 +6,7 @@
 namespace stormfield::kernels {
 
 /// Asks for the row that a sweep over all rows comes to after some 50 KB: rows of one chunk are neighbours in memory,
-/// and what a sweep waits for is their first use. (A sum over neighbours takes a quarter less time with it.)
+/// and a sweep waits for their first use.
 inline void prefetchAhead(const float* rows, Index row, Index end, std::size_t stride, int direction) {
   const Index ahead = row + direction * static_cast<Index>(12800 / stride + 1);
   if (ahead < 0 || ahead >= end) return;

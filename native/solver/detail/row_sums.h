@@ -1,7 +1,7 @@
 // Sums over the neighbour rows of a row, with what the sweeps make of them.
 //
 // Compiled for the processors everyone has and for those with AVX2, and chosen when first asked for. Both add in the
-// same order and neither contracts products and sums, so they give the same bits. AVX2 makes a solve a quarter faster.
+// same order and neither contracts products and sums, so they give the same bits. Their gain: docs/performance.md.
 #pragma once
 
 #include "solver/detail/gather_kernel.h"
@@ -64,24 +64,24 @@ struct RowSumsOf {
 
   static void products(const float* p, const float* q, const float* r, std::size_t stride, double* five) {
     // Eight sums of each, in one register or two, so that the order of adding is the same.
-    constexpr int kParts = 32 / Bytes;
-    Vector sums[5][kParts] = {};
+    constexpr int kRegisters = 32 / Bytes;
+    Vector sums[5][kRegisters] = {};
     for (std::size_t k = 0; k < stride; k += 8) {
-      for (int part = 0; part < kParts; ++part) {
-        const std::size_t at = k + part * (Bytes / sizeof(float));
+      for (int half = 0; half < kRegisters; ++half) {
+        const std::size_t at = k + half * (Bytes / sizeof(float));
         const Vector a = loadVector<Bytes>(p + at), b = loadVector<Bytes>(q + at), c = loadVector<Bytes>(r + at);
-        sums[0][part] += c * a;
-        sums[1][part] += a * b;
-        sums[2][part] += c * b;
-        sums[3][part] += b * b;
-        sums[4][part] += a * a;
+        sums[0][half] += c * a;
+        sums[1][half] += a * b;
+        sums[2][half] += c * b;
+        sums[3][half] += b * b;
+        sums[4][half] += a * a;
       }
     }
     for (int i = 0; i < 5; ++i) {
       five[i] = 0.0;
-      for (int part = 0; part < kParts; ++part) {
+      for (int half = 0; half < kRegisters; ++half) {
         for (std::size_t lane = 0; lane < Bytes / sizeof(float); ++lane) {
-          five[i] += static_cast<double>(sums[i][part][lane]);
+          five[i] += static_cast<double>(sums[i][half][lane]);
         }
       }
     }

@@ -30,28 +30,28 @@ void SpaceTimeOperator::image(Index row, const float* x, float* line, float* out
 SpaceTimeOperator::Products SpaceTimeOperator::apply(const float* p, float* q, const float* r,
                                                      const Progress& progress) const {
   const std::size_t stride = level_.lambda.stride();
-  std::vector<Products> parts(level_.sweep.chunks());
+  std::vector<Products> sums(level_.sweep.chunks());
   forAllChunks(level_, progress, [&](Index chunk) {
-    double part[5] = {}, own[5];
+    double sum[5] = {}, own[5];
     std::vector<float> line(stride + 4);
     for (Index i = level_.sweep.chunkStart[chunk]; i < level_.sweep.chunkStart[chunk + 1]; ++i) {
       float* out = q + i * stride;
       image(i, p, line.data(), out);
       kernels::rowSums().products(p + i * stride, out, r + i * stride, stride, own);
       own[4] *= mass_[i];
-      for (int k = 0; k < 5; ++k) part[k] += own[k];
+      for (int k = 0; k < 5; ++k) sum[k] += own[k];
     }
-    parts[chunk] = {part[0], part[1], part[2], part[3], part[4]};
+    sums[chunk] = {sum[0], sum[1], sum[2], sum[3], sum[4]};
   });
-  Products sum;
-  for (const Products& part : parts) {
-    sum.residualStep += part.residualStep;
-    sum.stepImage += part.stepImage;
-    sum.residualImage += part.residualImage;
-    sum.imageImage += part.imageImage;
-    sum.stepStep += part.stepStep;
+  Products total;
+  for (const Products& sum : sums) {
+    total.residualStep += sum.residualStep;
+    total.stepImage += sum.stepImage;
+    total.residualImage += sum.residualImage;
+    total.imageImage += sum.imageImage;
+    total.stepStep += sum.stepStep;
   }
-  return sum;
+  return total;
 }
 
 std::vector<double> SpaceTimeOperator::residual(const float* x, double scale, float* r, const ConstraintRows* before,

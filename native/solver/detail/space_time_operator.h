@@ -30,7 +30,7 @@ class SpaceTimeOperator {
   Products apply(const float* p, float* q, const float* r, const Progress& progress) const;
 
   /// r = b / scale - A x; hard values must be in their places in x. `before`: the constraints for which r holds the
-  /// residual of the same x already; rows that they treat alike are passed over. Returns the squared length per chunk.
+  /// residual of the same x already; rows that they treat alike are left out. Returns the squared length per chunk.
   std::vector<double> residual(const float* x, double scale, float* r, const ConstraintRows* before,
                                const Progress& progress) const;
 

@@ -1,9 +1,10 @@
-// The levels of the space-time multigrid: coarser and coarser surfaces, and coarser lambda where that loses nothing.
+// The levels of the space-time multigrid: coarser and coarser surfaces, and coarser lambda where its coupling is
+// strong.
 //
 // Level operator: A = L (x) diag(mass of samples) + diag(vertex coupling) (x) T, with L a surface matrix, T the
 // second difference in lambda, plus the weights of the constraints, which a solve brings along. Rows are numbered by
 // the level's sweep order. A level keeps every other sample of lambda when lambda couples at least about as
-// strongly as the surface: the exact line solves then smooth what the coarser samples cannot show.
+// strongly as the surface: the exact line solves then smooth what the coarser samples cannot represent.
 #pragma once
 
 #include "base/progress.h"
