@@ -32,12 +32,12 @@ struct DenseStep {
     const double r = 1.0 - s;
     return s * s * (3.0 - 2.0 * s) * length + s * r * duration * (r * speedFrom - s * speedTo);
   }
-  double fractionOfLength(double wanted, double atMost) const {
-    double s = atMost * wanted / std::max(arcLength(atMost), 1e-300);
+  double fractionOfLength(double wanted, double maxFraction) const {
+    double s = maxFraction * wanted / std::max(arcLength(maxFraction), 1e-300);
     for (int i = 0; i < 3; ++i) {
       const double speed = magnitude(velocity(s)) * duration;
       if (!(speed > 0.0)) break;
-      s = std::clamp(s - (arcLength(s) - wanted) / speed, 0.0, atMost);
+      s = std::clamp(s - (arcLength(s) - wanted) / speed, 0.0, maxFraction);
     }
     return s;
   }

@@ -13,8 +13,8 @@ namespace stormfield {
 
 namespace {
 
-/// Rates beyond these, either way, are left to others.
-constexpr double kMost = 1e300;
+/// Fields whose rates, or their inverses, exceed this have no steps in closed form.
+constexpr double kMaxRate = 1e300;
 /// Twists that move nothing, but whose powers would be too small for single precision.
 constexpr float kNoTwist = 1e-9F;
 
@@ -38,12 +38,12 @@ FaceFlow::FaceFlow(const FlatFace& face, const std::array<Complex, 3>& values) {
     doubleTwist[i] = std::abs(face.doubleTwist(i)) < kNoTwist ? 0.0F : face.doubleTwist(i);
     tanHalf[i] = face.tanHalf(i);
     twin[i] = face.twin(i);
-    // The turn is the double twist times half the angle to the bisector.
-    const auto turn = static_cast<double>(0.5F * std::abs(doubleTwist[i]) * tanHalf[i]);
-    bound = std::max(bound, turn * std::abs(v) * inverseBase);
+    // The rotation is the double twist times half the angle to the bisector.
+    const auto angle = static_cast<double>(0.5F * std::abs(doubleTwist[i]) * tanHalf[i]);
+    bound = std::max(bound, angle * std::abs(v) * inverseBase);
   }
   unit = 1.0 / fastest;
-  if (face.isExtreme() || !(unit < kMost && fastest < kMost)) {
+  if (face.isExtreme() || !(unit < kMaxRate && fastest < kMaxRate)) {
     unit = 0.0;
     bend = 0.0F;
     return;

@@ -23,14 +23,14 @@ bool stepThroughFace(const FaceFlow& face, const SidePoint& entry, const Eigen::
       return true;
     }
   }
-  for (int i = 0; i < kMostStepTries; ++i) {
+  for (int i = 0; i < kMaxStepTries; ++i) {
     lanes::FaceStepKernel<4, 1, true>::step(particle, 0, bounds);
     if (exitOf(particle) == lanes::kNotPlain) return false;
     if (exitOf(particle) >= lanes::kInside) {
       getStep(particle, 0, step);
       return true;
     }
-    particle.longest[0] = particle.duration[0];
+    particle.maxDuration[0] = particle.duration[0];
   }
   return false;
 }

@@ -1,11 +1,11 @@
 // A steady field's path through one face in one step: across it, or as far as one step is exact enough.
 //
 // In the flat frame of a face the interpolated field is V = L + c: L is affine, and c, the correction for curvature, is
-// as small as the twist of the corners (tracing/flat_faces.h). The path of L and of the constant that c is near the
-// middle of the way is a Taylor series that needs no further evaluation of the field; what the rest of c adds is
+// as small as the twist of the corners (tracing/flat_faces.h). The path of L plus the value of c near the middle of the
+// path is a Taylor series that needs no further evaluation of the field; what c less that constant adds is
 //     e(t) = integral of exp(J (t - s)) (c(x(s)) - constant) ds,      J the Jacobian of L,
-// by Gauss' rule, looked at again at the displaced points where the twist is large. Where c is far below the tolerance
-// all over the face it is left out. The estimated error, of series, rule and displacement together, is within the
+// by Gauss' rule, repeated at the displaced points where the twist is large. Where c is far below the tolerance all
+// over the face it is left out. The estimated error, of series, rule and displacement together, is within the
 // tolerance; a step that would exceed it ends inside the face.
 //
 // For many particles at a time see tracing/face_steps.h: every particle's result is the same either way, and on every
@@ -14,7 +14,7 @@
 
 #include <limits>
 
-#include "tracing/detail/face_step_kernel.h"
+#include "tracing/detail/face_step.h"
 #include "tracing/face_flow.h"
 #include "tracing/flat_faces.h"
 
@@ -49,12 +49,12 @@ bool stepThroughFace(const FaceFlow& face, const SidePoint& entry, const Eigen::
 // What steps of one and of many particles have in common.
 
 /// Tries of one step with the correction, each shorter than the one before.
-constexpr int kMostStepTries = 6;
+constexpr int kMaxStepTries = 6;
 
 /// Whether to try first without the correction: if that is no step, one with it may be.
 inline bool isFlatEnough(const FaceFlow& face, const StepLimits& limits) {
-  constexpr double kPart = 0.1;
-  return static_cast<double>(face.bend) * face.base <= kPart * limits.tolerance;
+  constexpr double kFraction = 0.1;
+  return static_cast<double>(face.bend) * face.base <= kFraction * limits.tolerance;
 }
 
 inline lanes::KernelLimits kernelLimits(const StepLimits& limits) {
@@ -65,7 +65,7 @@ template <int Count>
 void setParticle(lanes::ParticlesOf<Count>& particles, int i, const FaceFlow& face, const SidePoint& entry,
                  const Eigen::Vector3d& inside, double maxDuration) {
   particles.face[i] = &face;
-  particles.longest[i] = maxDuration;
+  particles.maxDuration[i] = maxDuration;
   if (entry.side < 0) {
     particles.entry[i] = -1.0;
     particles.start[0][i] = inside[1];

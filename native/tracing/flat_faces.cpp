@@ -10,9 +10,9 @@
 namespace stormfield {
 namespace {
 
-/// Limits of the polynomials: the corner angle, and the largest turn against the bisector, radians.
-constexpr double kWidestCorner = 2.792526803190927;
-constexpr double kLargestTurn = 0.8;
+/// Limits of the polynomials: the corner angle, and the largest rotation against the bisector, radians.
+constexpr double kMaxCorner = 2.792526803190927;
+constexpr double kMaxRotation = 0.8;
 
 }  // namespace
 
@@ -31,13 +31,13 @@ FlatFace::FlatFace(const VertexCharts& charts, Index f) {
     const Index h = TriangleMesh::halfedge(f, i);
     vertices_[i] = mesh.vertex(f, i);
     twins_[i] = mesh.twin(h);
-    turn_[i] = unit.carried[i];
+    toFlat_[i] = unit.carried[i];
     const double cornerAngle = mesh.cornerAngle(h);
     sides_[i] = static_cast<float>(mesh.edgeLength(mesh.edge(h)) / base_);
     tanHalf_[i] = static_cast<float>(std::tan(0.5 * cornerAngle));
     doubleTwist_[i] = static_cast<float>(2.0 * unit.twist[i]);
     if (unit.twist[i] == 0.0) continue;
-    const bool regular = cornerAngle < kWidestCorner && std::abs(unit.twist[i]) * 0.5 * cornerAngle < kLargestTurn;
+    const bool regular = cornerAngle < kMaxCorner && std::abs(unit.twist[i]) * 0.5 * cornerAngle < kMaxRotation;
     shape_ = regular ? (shape_ == Shape::Extreme ? shape_ : Shape::Regular) : Shape::Extreme;
   }
   sides_[3] = sides_.head<3>().maxCoeff();

@@ -6,12 +6,13 @@
 //     V(p) = sum_i b_i u_i + sum_i b_i u_i (exp(i twist_i psi_i) - 1),
 // the linear part in double precision, and the correction for curvature, which is as small as the twist, in single
 // precision with polynomials for the arc tangent and the exponential. The error stays below 1e-6 of twist times speed,
-// and the result is the same on every processor. Faces with a corner above 160 degrees or a turn above 0.8 radians use
-// the library's functions.
+// and the result is the same on every processor. Faces with a corner above 160 degrees or a rotation above 0.8 radians
+// use the library's functions.
 //
 //   const FlatFaces faces(charts);
 //   const FlatFace& face = faces[f];
-//   const Complex v = face.evaluate(face.carry(values), p);            // p and v in the flat frame of f
+//   const CarriedVectors u = face.carry(values[face.vertex(0)], values[face.vertex(1)], values[face.vertex(2)]);
+//   const Complex v = face.evaluate(u, face.point(barycentric));  // in the flat frame of f
 #pragma once
 
 #include <array>
@@ -25,6 +26,7 @@
 
 #include "mesh/surface_point.h"
 #include "mesh/vertex_charts.h"
+#include "tracing/detail/small_rotation.h"
 
 namespace stormfield {
 
@@ -78,10 +80,10 @@ class alignas(64) FlatFace {
   float doubleTwist(int corner) const { return doubleTwist_[corner]; }
   float tanHalf(int corner) const { return tanHalf_[corner]; }
 
-  Complex carry(int i, Complex value) const { return value * turn_[i]; }
+  Complex carry(int i, Complex value) const { return value * toFlat_[i]; }
   CarriedVectors carry(Complex a, Complex b, Complex c) const {
     CarriedVectors u;
-    u.exact = {a * turn_[0], b * turn_[1], c * turn_[2]};
+    u.exact = {a * toFlat_[0], b * toFlat_[1], c * toFlat_[2]};
     u.x = lanes(u.exact[0].real(), u.exact[1].real(), u.exact[2].real());
     u.y = lanes(u.exact[0].imag(), u.exact[1].imag(), u.exact[2].imag());
     return u;
@@ -90,18 +92,12 @@ class alignas(64) FlatFace {
   /// The field at a point of the frame, also a little outside the face.
   Complex evaluate(const CarriedVectors& u, Complex p) const;
 
-  /// Whether the correction for curvature is zero, and whether it needs the library's functions.
-  bool isFlat() const { return shape_ == Shape::Flat; }
+  /// Whether the correction for curvature needs the library's functions.
   bool isExtreme() const { return shape_ == Shape::Extreme; }
-  /// The correction at four points of a face that is not extreme: first, first + 1 and first + 2 (mod 3) are the
-  /// corners of the carried vectors u, b0 and b1 the coordinates of the first two.
-  std::array<Lanes, 2> corrections(int first, const std::array<Complex, 3>& u, const Lanes& b0, const Lanes& b1) const;
 
  private:
   enum class Shape : Index { Flat, Regular, Extreme };
-  struct Turning {
-    Lanes cosineLess1, sine;
-  };
+  using Rotation = lanes::SmallRotation<Lanes>;
 
   static Lanes lanes(double a, double b, double c) {
     return {static_cast<float>(a), static_cast<float>(b), static_cast<float>(c), 0.0F};
@@ -116,14 +112,14 @@ class alignas(64) FlatFace {
 #endif
     return root;
   }
-  /// By how much a corner's vector turns on the line to a point whose distances from the corner, along the next and the
-  /// previous side (in the skew axes that these are), are given.
-  static Turning turning(const Lanes& alongNext, const Lanes& alongPrevious, const Lanes& tanHalf,
-                         const Lanes& doubleTwist);
+  /// Rotation of a corner's vector on the line to a point whose distances from the corner, along the next and the
+  /// previous side (its skew coordinates), are given.
+  static Rotation twistRotation(const Lanes& alongNext, const Lanes& alongPrevious, const Lanes& tanHalf,
+                                const Lanes& doubleTwist);
   Complex evaluateExtreme(const CarriedVectors& u, const std::array<double, 3>& b, Complex p) const;
 
   double base_, foot_, height_, inverseBase_, inverseHeight_, shear_;
-  std::array<Complex, 3> turn_;  ///< unit factor from the vertex chart to the flat frame, along the bisector
+  std::array<Complex, 3> toFlat_;  ///< unit factor from the vertex chart to the flat frame, along the bisector
   Lanes sides_;  ///< lengths divided by the base, so that no scale of mesh leaves single precision; [3] is the longest
   Lanes tanHalf_;      ///< tangent of half the corner angle
   Lanes doubleTwist_;  ///< 2 (1 - scale): the angle below is half the angle to the bisector
@@ -136,10 +132,9 @@ class FlatFaces {
   explicit FlatFaces(std::shared_ptr<const VertexCharts> charts);
 
   const VertexCharts& charts() const { return *charts_; }
-  const std::shared_ptr<const VertexCharts>& chartsPointer() const { return charts_; }
   const TriangleMesh& mesh() const { return charts_->mesh(); }
   const FlatFace& operator[](Index f) const { return faces_[f]; }
-  /// Says that a face will be entered soon.
+  /// Loads a face that will be entered soon into the cache.
   void prefetch(Index f) const {
 #ifdef __GNUC__
     const char* face = reinterpret_cast<const char*>(&faces_[f]);
@@ -156,19 +151,13 @@ class FlatFaces {
 
 // Inline: the inner loop of all tracers ------------------------------------------------------------------------------
 
-inline FlatFace::Turning FlatFace::turning(const Lanes& alongNext, const Lanes& alongPrevious, const Lanes& tanHalf,
-                                           const Lanes& doubleTwist) {
+inline FlatFace::Rotation FlatFace::twistRotation(const Lanes& alongNext, const Lanes& alongPrevious,
+                                                  const Lanes& tanHalf, const Lanes& doubleTwist) {
   // Of the line in the frame of the bisector, both divided by the cosine of half the corner angle.
   const Lanes x = alongNext + alongPrevious, y = tanHalf * (alongPrevious - alongNext);
   // Tangent of half the angle to the bisector; behind a corner, where only overshooting steps look, it is clamped.
-  const Lanes t = (y / (x + squareRoot(x * x + y * y)).max(1e-30F)).max(-0.84F).min(0.84F);
-  const Lanes q = t * t, qq = q * q;
-  // Minimax polynomial of the arc tangent up to 40 degrees, Taylor polynomials of sine and cosine up to 0.8.
-  const Lanes arcTangent = t * ((0.999995058F - q * 0.333120346F) +
-                                qq * ((0.197340058F - q * 0.12811836F) + qq * (0.0682753295F - q * 0.0192904742F)));
-  const Lanes angle = doubleTwist * arcTangent, s = angle * angle, ss = s * s;
-  return {s * ((s * (1.0F / 24) - 1.0F / 2) + ss * (s * (1.0F / 40320) - 1.0F / 720)),
-          angle * ((1.0F - s * (1.0F / 6)) + ss * (1.0F / 120 - s * (1.0F / 5040)))};
+  const Lanes t = (y / (x + squareRoot(x * x + y * y)).max(1e-30F)).max(-lanes::kMaxTangent).min(lanes::kMaxTangent);
+  return lanes::smallRotation(Lanes(doubleTwist * lanes::arcTangent(t)));
 }
 
 inline Complex FlatFace::evaluate(const CarriedVectors& u, Complex p) const {
@@ -180,26 +169,11 @@ inline Complex FlatFace::evaluate(const CarriedVectors& u, Complex p) const {
 
   const Lanes alongNext = lanes(b[1], b[2], b[0]) * sides_;
   const Lanes alongPrevious = lanes(b[2], b[0], b[1]) * Lanes(sides_[2], sides_[0], sides_[1], 0.0F);
-  const Turning turned = turning(alongNext, alongPrevious, tanHalf_, doubleTwist_);
+  const Rotation rotation = twistRotation(alongNext, alongPrevious, tanHalf_, doubleTwist_);
   const Lanes weight = lanes(b[0], b[1], b[2]);
-  const float correctionX = (weight * (u.x * turned.cosineLess1 - u.y * turned.sine)).sum();
-  const float correctionY = (weight * (u.x * turned.sine + u.y * turned.cosineLess1)).sum();
+  const float correctionX = (weight * (u.x * rotation.cosineLess1 - u.y * rotation.sine)).sum();
+  const float correctionY = (weight * (u.x * rotation.sine + u.y * rotation.cosineLess1)).sum();
   return {linear.real() + static_cast<double>(correctionX), linear.imag() + static_cast<double>(correctionY)};
-}
-
-inline std::array<FlatFace::Lanes, 2> FlatFace::corrections(int first, const std::array<Complex, 3>& u, const Lanes& b0,
-                                                            const Lanes& b1) const {
-  const std::array<Lanes, 3> b = {b0, b1, 1.0F - b0 - b1};
-  std::array<Lanes, 2> sum = {Lanes::Zero(), Lanes::Zero()};
-  for (int k = 0, i = first; k < 3; ++k, i = i == 2 ? 0 : i + 1) {
-    const Turning turned =
-        turning(b[k == 2 ? 0 : k + 1] * sides_[i], b[k == 0 ? 2 : k - 1] * sides_[i == 0 ? 2 : i - 1],
-                Lanes::Constant(tanHalf_[i]), Lanes::Constant(doubleTwist_[i]));
-    const auto ux = static_cast<float>(u[k].real()), uy = static_cast<float>(u[k].imag());
-    sum[0] += b[k] * (ux * turned.cosineLess1 - uy * turned.sine);
-    sum[1] += b[k] * (ux * turned.sine + uy * turned.cosineLess1);
-  }
-  return sum;
 }
 
 }  // namespace stormfield

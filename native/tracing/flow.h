@@ -36,7 +36,7 @@ class SteadyFlow {
     return {rate_ * values_[face.vertex(0)], rate_ * values_[face.vertex(1)], rate_ * values_[face.vertex(2)]};
   }
   const FaceFlow* prepared(Index f) const { return prepared_ == nullptr ? nullptr : prepared_ + f; }
-  /// Says that a face will be entered soon.
+  /// Loads a face that will be entered soon into the cache.
   void prefetch(Index f) const {
 #ifdef __GNUC__
     if (prepared_ == nullptr) return;

@@ -12,10 +12,10 @@
 namespace stormfield {
 namespace {
 
-/// Neighbours nearer in parameter than this part of the whole family have nobody between them.
+/// Between neighbours nearer in parameter than this fraction of the whole family no particle joins.
 constexpr double kNearest = 1e-9;
-/// Most particles put between two neighbours at once; more follow when the gap is still too wide.
-constexpr double kMostAtOnce = 8.0;
+/// Upper limit on the particles that join between two neighbours at once; more follow when the gap is still too wide.
+constexpr double kMaxAtOnce = 8.0;
 /// A gap that stays wider than this many spacings is a tear.
 constexpr double kTorn = 2.0;
 
@@ -23,7 +23,7 @@ struct Particle {
   double parameter = 0.0;
   double released = 0.0;  ///< seconds
   SurfacePoint point;
-  bool stopped = false;  ///< by the boundary or for want of steps
+  bool stopped = false;  ///< by the boundary or the limit on steps
 };
 
 using Line = std::vector<Particle>;
@@ -130,7 +130,7 @@ class Follower {
       const double wanted =
           std::ceil(std::max(gap(line[k], line[k + 1]) / options_.spacing,
                              (line[k + 1].released - line[k].released) / options_.interval * 0.999999));
-      const int pieces = static_cast<int>(std::min(wanted, kMostAtOnce));
+      const int pieces = static_cast<int>(std::min(wanted, kMaxAtOnce));
       if (!(width > nearest * pieces)) continue;
       for (int piece = 1; piece < pieces; ++piece) joining.push_back(release_(index, from + width * piece / pieces));
     }
@@ -144,10 +144,10 @@ class Follower {
   TraceOptions trace_;
 };
 
-void reportPart(Progress* progress, std::size_t part, std::size_t parts) {
+void beginPhase(Progress* progress, std::size_t phase, std::size_t phases) {
   if (progress != nullptr) {
-    progress->range(static_cast<double>(part) / static_cast<double>(parts),
-                    static_cast<double>(part + 1) / static_cast<double>(parts));
+    progress->range(static_cast<double>(phase) / static_cast<double>(phases),
+                    static_cast<double>(phase + 1) / static_cast<double>(phases));
   }
 }
 
@@ -165,7 +165,7 @@ std::vector<ParticleLines> traceStreaklines(const UnsteadyField& flow, const std
   std::vector<ParticleLines> result;
   double before = start;
   for (std::size_t k = 0; k < times.size(); ++k) {
-    reportPart(progress, k, times.size());
+    beginPhase(progress, k, times.size());
     follower.advance(lines, before, times[k]);
     for (std::size_t i = 0; i < seeds.size(); ++i) {
       if (lines[i].back().parameter < times[k]) lines[i].push_back(release(i, times[k]));
@@ -206,7 +206,7 @@ std::vector<ParticleLines> traceTimelines(const UnsteadyField& flow,
   std::vector<ParticleLines> result;
   double before = start;
   for (std::size_t k = 0; k < times.size(); ++k) {
-    reportPart(progress, k, times.size());
+    beginPhase(progress, k, times.size());
     follower.advance(lines, before, times[k]);
     follower.fill(lines, times[k]);
     result.push_back(follower.snapshot(lines, times[k]));

@@ -2,13 +2,13 @@
 //
 // A streakline joins the particles released one after the other at one point; a timeline joins those released at one
 // time along a curve. Where neighbours come to lie farther apart than the spacing, particles between them join the
-// family: they are followed from their own release on, not put on a chord, so that every point of a line is the end of
+// family: they are traced from their own release, not put on a chord, so that every point of a line is the end of
 // a true pathline, and a line does not depend on the times at which earlier ones were asked for. Where no particle
 // between two neighbours fills the gap (they passed a saddle or a hole on different sides) the line is torn.
 //
-//   const UnsteadyField flow(faces, field, {.times = {0, 10}, .lambdas = {0, 1}});
-//   const auto smoke = traceStreaklines(flow, {seed}, 0.0, {1, 2, 3}, {.spacing = 0.01});    // smoke[2]: the lines at
-//   3 s const auto fronts = traceTimelines(flow, {curve}, 0.0, {1, 2, 3}, {.spacing = 0.01});
+//   const UnsteadyField flow(faces, fieldOverLambda, {.times = {0, 10}, .lambdas = {0, 1}});
+//   const auto smoke = traceStreaklines(flow, seeds, 0.0, {1, 2, 3}, {.spacing = 0.01});  // smoke[2]: the lines at 3 s
+//   const auto fronts = traceTimelines(flow, {seeds}, 0.0, {1, 2, 3}, {.spacing = 0.01});  // from one curve
 #pragma once
 
 #include "tracing/pathline.h"
@@ -32,7 +32,7 @@ struct ParticleLines {
   std::vector<SurfacePoint> points;
   std::vector<double> ages;  ///< seconds since release
   /// What tells particles of a line apart, increasing along it: the time of release (streaklines); the place along the
-  /// given curve, k + f for the fraction f of the way from its point k to the next (timelines).
+  /// given curve, k + f for the fraction f between its points k and k + 1 (timelines).
   std::vector<double> parameters;
   std::vector<char> torn;  ///< whether the line is torn between this particle and the next
 };
@@ -43,7 +43,7 @@ struct ParticleLines {
 std::vector<ParticleLines> traceStreaklines(const UnsteadyField& flow, const std::vector<SurfacePoint>& seeds,
                                             double start, const std::vector<double>& times, const LineOptions& options,
                                             Progress* progress = nullptr);
-/// Timelines that lie on the curves at time start. A curve is a list of points joined by the shortest way (a closed one
+/// Timelines that lie on the curves at time start. A curve is a list of points joined by shortest lines (a closed one
 /// ends where it starts); neighbours should be near each other compared to how the surface bends.
 std::vector<ParticleLines> traceTimelines(const UnsteadyField& flow,
                                           const std::vector<std::vector<SurfacePoint>>& curves, double start,

@@ -1,6 +1,6 @@
 // Streamlines: traces of a steady field (thesis 10.1.2, definition 10.1.3).
 //
-//   const FlatFaces faces(field.charts);                               // once per mesh, shared by all traces
+//   const FlatFaces faces(field.charts);  // once per mesh, shared by all traces
 //   const Traces lines = traceStreamlines(faces, field, seeds, {.maxLength = 2.0});
 #pragma once
 

@@ -14,7 +14,7 @@ enum class Direction { Forward, Backward };
 /// What a particle does where the flow leaves the surface.
 enum class BoundaryRule {
   Stop,   ///< the trace ends on the boundary
-  Slide,  ///< it goes along the boundary with the tangential part until the flow turns inwards again
+  Slide,  ///< it follows the tangential component along the boundary until the flow points inwards again
 };
 
 enum class StopReason {
@@ -23,7 +23,7 @@ enum class StopReason {
   MinSpeed,   ///< steady flow slower than minSpeed: a fixed point is near
   Boundary,   ///< the flow leaves the surface here
   StepLimit,  ///< maxSteps were used
-  Visitor,    ///< the caller's visitor had seen enough
+  Visitor,    ///< the caller's visitor returned false
 };
 
 struct TraceOptions {

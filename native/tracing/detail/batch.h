@@ -38,7 +38,7 @@ std::vector<TraceEnd> traceEach(std::size_t count, const MakeIntegrator& makeInt
 /// As traceEach, and keeps the points: trace(i, integrator, visit).
 template <typename MakeIntegrator, typename Trace>
 Traces recordEach(std::size_t count, const MakeIntegrator& makeIntegrator, const Trace& trace, Progress* progress) {
-  // Seeds share buffers in fixed groups, so that thousands of short traces do not mean thousands of allocations.
+  // Seeds share buffers in fixed groups: one allocation per group, not per trace.
   constexpr std::size_t kGroup = 64;
   struct Group {
     std::vector<SurfacePoint> points;

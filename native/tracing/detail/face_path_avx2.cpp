@@ -1,6 +1,6 @@
 // Compiled with -mavx2 (native/CMakeLists.txt): nothing but templates that no other file instantiates may be used here,
 // or the linker could take these for older processors too.
-#include "tracing/detail/face_step_kernel.h"
+#include "tracing/detail/face_step.h"
 
 namespace stormfield::lanes {
 

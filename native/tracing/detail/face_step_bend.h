@@ -1,8 +1,9 @@
-// The part of tracing/face_step_kernel.h that curved faces need: the correction to the affine part of the field, and
-// what it adds to the path.
+// What curved faces need beyond detail/face_step_affine.h: the correction to the affine part of the field, and what it
+// adds to the path.
 #pragma once
 
 #include "tracing/detail/face_step_kernel.h"
+#include "tracing/detail/small_rotation.h"
 
 namespace stormfield::lanes {
 
@@ -20,16 +21,10 @@ auto FaceStepKernel<Bytes, Count, Curved>::correction(const Point& p) const -> P
     const G alongNext = b[next] * sides_[i], alongPrevious = b[previous] * sides_[previous];
     const G x = alongNext + alongPrevious, y = tanHalf_[i] * (alongPrevious - alongNext);
     const G t = y / larger(x + squareRoot(x * x + y * y), all(1e-30F));
-    const G bounded = smaller(larger(t, all(-0.84F)), all(0.84F));
-    const G q = bounded * bounded, qq = q * q;
-    // Minimax polynomial of the arc tangent up to 40 degrees, Taylor polynomials of sine and cosine up to 0.8.
-    const G arcTangent = bounded * ((0.999995058F - q * 0.333120346F) +
-                                    qq * ((0.197340058F - q * 0.12811836F) + qq * (0.0682753295F - q * 0.0192904742F)));
-    const G angle = doubleTwist_[i] * arcTangent, s = angle * angle, ss = s * s;
-    const G cosineLess1 = s * ((s * (1.0F / 24) - 1.0F / 2) + ss * (s * (1.0F / 40320) - 1.0F / 720));
-    const G sine = angle * ((1.0F - s * (1.0F / 6)) + ss * (1.0F / 120 - s * (1.0F / 5040)));
-    sum.x = sum.x + b[i] * (floatRate_[i].x * cosineLess1 + turned_[i].x * sine);
-    sum.y = sum.y + b[i] * (floatRate_[i].y * cosineLess1 + turned_[i].y * sine);
+    const G bounded = smaller(larger(t, all(-kMaxTangent)), all(kMaxTangent));
+    const auto [cosineLess1, sine] = smallRotation(G(doubleTwist_[i] * arcTangent(bounded)));
+    sum.x = sum.x + b[i] * (floatRate_[i].x * cosineLess1 + rotated_[i].x * sine);
+    sum.y = sum.y + b[i] * (floatRate_[i].y * cosineLess1 + rotated_[i].y * sine);
   }
   return sum;
 }
@@ -63,7 +58,7 @@ auto FaceStepKernel<Bytes, Count, Curved>::correctionNearMiddle(const FloatPair&
     const F t = -coordinates[i] / rates[i];
     first = select((rates[i] < 0.0F) & (coordinates[i] > 1e-7F), smaller(first, t), first);
   }
-  const F half = 0.5F * smaller(first, toFloats(longest_));
+  const F half = 0.5F * smaller(first, toFloats(maxTime_));
   const F zero = L::all(0.0F), one = L::all(1.0F);
   const FloatPair middle = {smaller(larger(b.x + half * (v.x + 0.5F * half * a.x), zero), one),
                             smaller(larger(b.y + half * (v.y + 0.5F * half * a.y), zero), one)};
@@ -81,8 +76,8 @@ auto FaceStepKernel<Bytes, Count, Curved>::bend() -> F {
     }
     return FloatPair{duration * sum.x, duration * sum.y};
   };
-  // Displaced points see another correction. The bend displaces the middle of the path most: by how much, the outer
-  // points tell, for what is bent vanishes near the middle, where the constant was taken.
+  // The correction is evaluated at the displaced points. The bend displaces the middle of the path most: by how much
+  // follows from the outer points, because the correction less the constant vanishes near the middle.
   FloatPair seen[kNodes], moved[kNodes];
   const FloatPair outer[2] = {node_[0], node_[3]};
   correctionsAt<2>(outer, seen);
@@ -105,22 +100,22 @@ auto FaceStepKernel<Bytes, Count, Curved>::bend() -> F {
   const F nearest = larger(smaller(distance(from), distance(to)), L::all(1e-6F));
   const F nearness = larger(larger(dx, dy), absolute((to.x + to.y) - (from.x + from.y))) / nearest;
 
-  F astray = L::all(0.0F);
+  F displacedBy = L::all(0.0F);
   for (int i = 0; i < kNodes; ++i) {
     moved[i] = displacement(bent_, i);
     const FloatPair seenAt = i == 1 || i == 2 ? guess[i - 1] : FloatPair{F(), F()};
-    astray = astray + kWeight[i] * (absolute(moved[i].x - seenAt.x) + absolute(moved[i].y - seenAt.y));
+    displacedBy = displacedBy + kWeight[i] * (absolute(moved[i].x - seenAt.x) + absolute(moved[i].y - seenAt.y));
   }
   // By the gradient of the correction c, some 2 c per length, and more next to a corner.
-  const F size = lengthOf(constant_), gradient = 2.0F * size * (1.0F + 0.2F * nearness);
-  F missing = 2.6F * duration * gradient * astray;
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  const F size = lengthOf(constant_), gradient = 2.0F * size * (1.0F + kGradientNear * nearness);
+  F missing = kSecondLook * duration * gradient * displacedBy;
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
     const auto again = missing > 0.5F * tolerance_;
     if (!isAny(again)) break;
     FloatPair next[kNodes], rate[kNodes], displaced[kNodes];
     for (int i = 0; i < kNodes; ++i) {
-      const FloatPair turn = jacobian(moved[i]);
-      rate[i] = {bent_[i].x + turn.x, bent_[i].y + turn.y};
+      const FloatPair added = jacobian(moved[i]);
+      rate[i] = {bent_[i].x + added.x, bent_[i].y + added.y};
     }
     F change = L::all(0.0F);
     for (int i = 0; i < kNodes; ++i) {
@@ -155,8 +150,8 @@ auto FaceStepKernel<Bytes, Count, Curved>::bend() -> F {
   }
   FloatPair sum = moment[kMoments - 1];
   for (int k = kMoments - 1; k-- > 0;) {
-    const FloatPair turn = jacobian(sum);
-    sum = {moment[k].x + turn.x, moment[k].y + turn.y};
+    const FloatPair added = jacobian(sum);
+    sum = {moment[k].x + added.x, moment[k].y + added.y};
   }
   displacement_ = {duration * sum.x, duration * sum.y};
   firstBent_ = lastBent_ = {F(), F()};
@@ -169,11 +164,11 @@ auto FaceStepKernel<Bytes, Count, Curved>::bend() -> F {
     cubic = {cubic.x + kCubic[i] * bent_[i].x, cubic.y + kCubic[i] * bent_[i].y};
     residual = larger(residual, absolute(bent_[i].x) + absolute(bent_[i].y));
   }
-  // Next to a corner the rule sees too little of the turn around it.
-  const F rule = smaller(smaller(0.012F * nearness, 0.0012F * nearness * nearness), L::all(2.0F));
+  // Next to a corner the rule misses much of the rotation around it.
+  const F rule = smaller(smaller(kRule * nearness, kRuleNear * nearness * nearness), L::all(kMaxRule));
   const F stretch = duration * stretch_, squared = stretch * stretch;
   // And round-off.
-  const F rounding = 1e-6F * (size + residual);
+  const F rounding = kBendRounding * (size + residual);
   return missing +
          duration * (rounding + rule * lengthOf(cubic) + residual * squared * squared * squared * stretch / 40320.0F);
 }

@@ -48,7 +48,7 @@ std::span<const int> FaceSteps::advance() {
     lanes_.start[0][lane] = particles_.start[0][i];
     lanes_.start[1][lane] = particles_.start[1][i];
     lanes_.entry[lane] = particles_.entry[i];
-    lanes_.longest[lane] = particles_.longest[i];
+    lanes_.maxDuration[lane] = particles_.maxDuration[i];
   }
   for (int lane = 0; lane < count; ++lane) {
     chosen_[lane] = queue.items[lane];

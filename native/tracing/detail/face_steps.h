@@ -1,11 +1,13 @@
-// Steps through faces (tracing/face_path.h) of many particles on their way, eight of them side by side at a time: those
-// in flat faces apart from those in curved ones, which take longer. Every particle's result is the same as that of
+// Steps through faces (tracing/face_path.h) of many particles, eight of them side by side at a time: those in flat
+// faces apart from those in curved ones, which take longer. Every particle's result is the same as that of
 // stepThroughFace.
 //
 //   FaceSteps steps(limits);
-//   for (particles i) steps.set(i, face, entry, inside, maxDuration);
-//   while (some are set) for (const int i : steps.advance())
-//     if (steps.take(i, step) != FaceSteps::Outcome::Again) ...            // go on from there, and set the next step
+//   steps.set(0, faceFlow, entry, inside, 1.0);
+//   FaceStep step;
+//   for (const int i : steps.advance()) {
+//     if (steps.take(i, step) == FaceSteps::Outcome::Done) steps.set(i, faceFlow, step.exit, step.barycentric, 1.0);
+//   }
 //
 // tracing/side_by_side.h does that for whole traces.
 #pragma once
@@ -18,19 +20,19 @@ namespace stormfield {
 
 class FaceSteps {
  public:
-  /// Particles on their way: with as many as these, eight always wait for the same kind of step.
+  /// Particles at a time: among so many, eight always wait for the same kind of step.
   static constexpr int kCount = 16;
 
   /// The limit of duration is each particle's own.
   explicit FaceSteps(const StepLimits& limits) : limits_(limits), kernelLimits_(kernelLimits(limits)) {}
 
-  /// Particle i's next step, which then waits for its turn. The face must outlive it.
+  /// Particle i's next step, which then waits in a queue. The face must outlive it.
   void set(int i, const FaceFlow& face, const SidePoint& entry, const Eigen::Vector3d& inside, double maxDuration) {
     setParticle(particles_, i, face, entry, inside, maxDuration);
     tries_[i] = 0;
     fresh_[freshCount_++] = i;
   }
-  /// Tries the steps of up to eight particles that wait, and says of which; each of them has to be taken.
+  /// Tries the steps of up to eight particles that wait, and returns which; each of them has to be taken.
   std::span<const int> advance();
   enum class Outcome {
     Done,      ///< the step is as wanted
@@ -44,8 +46,8 @@ class FaceSteps {
       return Outcome::Done;
     }
     if (advancedCurved_) {
-      if (exit == lanes::kNotPlain || ++tries_[i] == kMostStepTries) return Outcome::NotPlain;
-      particles_.longest[i] = lanes_.duration[lane];
+      if (exit == lanes::kNotPlain || ++tries_[i] == kMaxStepTries) return Outcome::NotPlain;
+      particles_.maxDuration[i] = lanes_.duration[lane];
     }
     curved_.add(i);
     return Outcome::Again;

@@ -1,8 +1,8 @@
-// The part of tracing/integrator.h that leaves vertices: into the face of the vertex's own vector, along the boundary,
-// or not at all.
+// How a trace of tracing/integrator.h leaves a vertex: into the face of the vertex's own vector, along the boundary, or
+// not at all.
 #pragma once
 
-#include "tracing/integrator.h"
+#include "tracing/detail/integrator_class.h"
 
 namespace stormfield {
 
@@ -38,7 +38,7 @@ bool Integrator<Flow>::leaveVertex(int corner) {
       break;
     }
   }
-  if (leaving == kNone && !mesh.isBoundaryVertex(v)) leaving = last;  // round-off just below the full turn
+  if (leaving == kNone && !mesh.isBoundaryVertex(v)) leaving = last;  // round-off just below 2 pi
   if (leaving == kNone) return leaveAlongBoundary(v, velocity, last);
 
   ++end_.crossings;
@@ -51,7 +51,7 @@ bool Integrator<Flow>::leaveVertex(int corner) {
   double duration = kLeave * edge / speed, distance = kLeave * edge;
   const double left = timeLeft();
   if (!Flow::kSteady && !(duration <= 1e-4 * std::min(left, flow_.segmentDuration(cursor_)))) {
-    duration = 0.0;  // too slow to leave in one go: start just beside the vertex
+    duration = 0.0;  // too slow to leave in one step: start just beside the vertex
   } else if (duration > left) {
     duration = left;
     distance = left * speed;
@@ -89,7 +89,8 @@ bool Integrator<Flow>::leaveAlongBoundary(Index v, Complex velocity, Index lastH
   return true;
 }
 
-/// The flow presses against a corner of the boundary: a steady one does so for ever, another until it turns.
+/// At a boundary vertex whose vector points out of the surface: steady flow stops, unsteady flow waits for the vector
+/// to change.
 template <typename Flow>
 bool Integrator<Flow>::waitAtVertex(int corner) {
   if (Flow::kSteady) return stop(StopReason::Boundary);
@@ -109,9 +110,9 @@ bool Integrator<Flow>::waitAtVertex(int corner) {
     double angle = std::arg(velocity);
     if (angle < 0.0) angle += 2.0 * std::numbers::pi;
     const double totalAngle = faces_.charts().totalAngle(v);
-    const bool pressed =
+    const bool outward =
         angle > totalAngle && velocity.real() <= 0.0 && (velocity * std::polar(1.0, -totalAngle)).real() <= 0.0;
-    if (!pressed) return leaveVertex(corner);
+    if (!outward) return leaveVertex(corner);
   }
   return stop(StopReason::StepLimit);
 }

@@ -25,7 +25,7 @@ void check(const LambdaTrack& track) {
   }
 }
 
-/// Lambda as a position in the field's samples: 2.25 is a quarter on the way from sample 2 to sample 3.
+/// Lambda as a position in the field's samples: 2.25 is a quarter of the interval from sample 2 to sample 3.
 double samplePosition(const std::vector<double>& lambdas, double lambda) {
   if (lambda <= lambdas.front()) return 0.0;
   if (lambda >= lambdas.back()) return static_cast<double>(lambdas.size() - 1);
