@@ -1,8 +1,6 @@
 // What the processor that runs the program can do.
 //
 // Asks cpuid and xgetbv itself: __builtin_cpu_supports answers 0 in programs that Clang links without GCC's libgcc.
-//
-//   const bool wide = hasAvx2();
 #pragma once
 
 #if defined(__x86_64__)

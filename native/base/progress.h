@@ -14,7 +14,8 @@ class Progress {
   void report(double fraction) noexcept {
     fraction_.store(from_ + fraction * (to_ - from_), std::memory_order_relaxed);
   }
-  /// What follows is this part of the whole; called by the worker between its phases, while nothing reports.
+  /// What follows is the subrange from..to of the whole; called by the worker between its phases, while nothing
+  /// reports.
   void range(double from, double to) noexcept {
     from_ = from;
     to_ = to;

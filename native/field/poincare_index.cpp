@@ -20,7 +20,7 @@ double wrapped(double angle) {
 std::vector<double> chartAngles(const TriangleMesh& mesh, const Complex* values) {
   std::vector<double> angles(mesh.vertexCount());
   tbb::parallel_for(Index{0}, mesh.vertexCount(), [&](Index v) {
-    // Adding zero turns -0 into 0, so that every zero vector has the same angle.
+    // Adding zero makes 0 of -0, so that every zero vector has the same angle.
     angles[v] = std::atan2(values[v].imag() + 0.0, values[v].real() + 0.0);
   });
   return angles;
@@ -28,29 +28,29 @@ std::vector<double> chartAngles(const TriangleMesh& mesh, const Complex* values)
 
 }  // namespace
 
-std::vector<double> edgeTurns(const VertexCharts& charts, const Complex* values) {
+std::vector<double> edgeRotations(const VertexCharts& charts, const Complex* values) {
   const TriangleMesh& mesh = charts.mesh();
   const std::vector<double> angles = chartAngles(mesh, values);
-  std::vector<double> turns(mesh.edgeCount());
+  std::vector<double> rotations(mesh.edgeCount());
   tbb::parallel_for(Index{0}, mesh.edgeCount(), [&](Index e) {
     const Index h = mesh.edgeHalfedge(e);
-    turns[e] = wrapped(angles[mesh.head(h)] - charts.headAngle(h) - (angles[mesh.tail(h)] - charts.tailAngle(h)));
+    rotations[e] = wrapped(angles[mesh.head(h)] - charts.headAngle(h) - (angles[mesh.tail(h)] - charts.tailAngle(h)));
   });
-  return turns;
+  return rotations;
 }
 
 std::vector<int> poincareIndices(const VertexCharts& charts, const Complex* values) {
   const TriangleMesh& mesh = charts.mesh();
-  const std::vector<double> turns = edgeTurns(charts, values);
+  const std::vector<double> rotations = edgeRotations(charts, values);
   std::vector<int> indices(mesh.faceCount());
   tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
-    double turn = 0.0;
+    double angle = 0.0;
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index e = mesh.edge(h);
-      turn += mesh.edgeHalfedge(e) == h ? turns[e] : -turns[e];
-      turn -= (1.0 - charts.scale(mesh.tail(h))) * mesh.cornerAngle(h);
+      angle += mesh.edgeHalfedge(e) == h ? rotations[e] : -rotations[e];
+      angle -= (1.0 - charts.scale(mesh.tail(h))) * mesh.cornerAngle(h);
     }
-    indices[f] = static_cast<int>(std::lround(turn / (2.0 * kPi)));
+    indices[f] = static_cast<int>(std::lround(angle / (2.0 * kPi)));
   });
   return indices;
 }

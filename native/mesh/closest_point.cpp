@@ -58,14 +58,14 @@ std::array<Vec3, 3> corners(const TriangleMesh& mesh, Index f) {
   return {mesh.point(mesh.vertex(f, 0)), mesh.point(mesh.vertex(f, 1)), mesh.point(mesh.vertex(f, 2))};
 }
 
-/// The closest of the faces seen so far; the first among equals.
+/// The closest of the faces visited so far; the first among equals.
 struct Minimizer {
   const TriangleMesh& mesh;
   const Vec3& p;
   SurfacePoint best = {};
   double bestSquared = std::numeric_limits<double>::infinity();
 
-  void see(Index f) {
+  void visit(Index f) {
     const OnTriangle candidate = closestOnTriangle(p, corners(mesh, f));
     if (candidate.squaredDistance < bestSquared) {
       bestSquared = candidate.squaredDistance;
@@ -74,8 +74,8 @@ struct Minimizer {
   }
 };
 
-/// Sees the faces of the boxes in the order of their distance (Eigen::BVMinimize does, too, but goes on through boxes
-/// that are farther than what it has found). Some point is known to be within `bound` (squared). `rounding` is the
+/// Visits the faces of the boxes in the order of their distance (as Eigen::BVMinimize, which however goes on through
+/// boxes that are farther than the best face). Some point is known to be within `bound` (squared). `rounding` is the
 /// error of distances: boxes that much farther than bound or best are looked into, so that the answer does not depend
 /// on when the search could have stopped.
 void minimize(const Bvh& bvh, double bound, double rounding, Minimizer& minimizer) {
@@ -84,9 +84,9 @@ void minimize(const Bvh& bvh, double bound, double rounding, Minimizer& minimize
     return distance * distance;
   };
   using Entry = std::pair<double, Bvh::Index>;
-  std::vector<Entry> room;
-  room.reserve(64);
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> todo({}, std::move(room));
+  std::vector<Entry> storage;
+  storage.reserve(64);
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> todo({}, std::move(storage));
   todo.emplace(0.0, bvh.getRootIndex());
   double limit = widened(bound);
   while (!todo.empty() && todo.top().first <= limit) {
@@ -95,7 +95,7 @@ void minimize(const Bvh& bvh, double bound, double rounding, Minimizer& minimize
     bvh.getChildren(todo.top().second, box, boxEnd, face, faceEnd);
     todo.pop();
     if (face != faceEnd) {
-      for (; face != faceEnd; ++face) minimizer.see(*face);
+      for (; face != faceEnd; ++face) minimizer.visit(*face);
       limit = std::min(limit, widened(minimizer.bestSquared));
     }
     for (; box != boxEnd; ++box) {
@@ -140,7 +140,7 @@ ClosestPoint ClosestPointQuery::search(const Vec3& p, double bound) const {
   Minimizer minimizer{*mesh_, p};
   // A tree of one object has no node to start from.
   if (mesh_->faceCount() == 1)
-    minimizer.see(0);
+    minimizer.visit(0);
   else
     minimize(tree_->bvh, bound, 1e-12 * (tree_->reach + p.cwiseAbs().maxCoeff()), minimizer);
   return {minimizer.best, std::sqrt(minimizer.bestSquared)};

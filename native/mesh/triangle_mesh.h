@@ -4,8 +4,9 @@
 // so that the connectivity needs no other table than the twins. Vertices that no face uses are kept (vertex order is
 // the caller's and never changes) but belong to no component.
 //
-//   TriangleMesh mesh(points, triangles);           // throws MeshError
-//   for (Index h = mesh.outgoing(v); h != kNone; h = mesh.nextOutgoing(h)) ...
+//   const TriangleMesh mesh(points, triangles);  // throws MeshError
+//   std::vector<Index> neighbours;
+//   for (Index h = mesh.outgoing(v); h != kNone; h = mesh.nextOutgoing(h)) neighbours.push_back(mesh.head(h));
 #pragma once
 
 #include <vector>
@@ -45,7 +46,6 @@ class TriangleMesh {
   Index edge(Index h) const { return edge_[h]; }
   /// The canonical halfedge of an edge: both faces derive what they must agree on from this one.
   Index edgeHalfedge(Index e) const { return edgeHalfedge_[e]; }
-  bool isBoundaryEdge(Index e) const { return twin_[edgeHalfedge_[e]] == kNone; }
   bool isBoundaryVertex(Index v) const { return boundaryVertex_[v] != 0; }
   /// First outgoing halfedge of a vertex (kNone for an unused one): at a boundary the clockwise-most, so that
   /// nextOutgoing visits every face of the fan.
@@ -62,7 +62,7 @@ class TriangleMesh {
   Index boundaryLoopCount() const { return boundaryLoopCount_; }
   /// V - E + F over the used vertices.
   Index eulerCharacteristic() const { return eulerCharacteristic_; }
-  /// Faces whose orientation was turned on construction, 0 when the input agreed with itself.
+  /// Faces whose orientation was reversed on construction, 0 when the input agreed with itself.
   Index flippedFaceCount() const { return flippedFaceCount_; }
 
   // Geometry ---------------------------------------------------------------------------------------------------------

@@ -65,7 +65,7 @@ void VertexCharts::measureAngles(Index v) {
 void VertexCharts::connect(Index h) {
   const TriangleMesh& m = *mesh_;
   const Index t = m.twin(h);
-  // The way back at the head is the twin; at a boundary it is the far side of the head's last face.
+  // The direction back at the head is that of the twin; at a boundary it is the far side of the head's last face.
   const Index onward = TriangleMesh::next(h);
   const double back = t != kNone ? tailAngle_[t] : tailAngle_[onward] + scale_[m.head(h)] * m.cornerAngle(onward);
   headAngle_[h] = back + kPi;
@@ -91,7 +91,7 @@ void VertexCharts::placeFrame(Index v) {
   x.normalize();
   const Vec3 y = normal.cross(x);
 
-  // Turn the frame by the mean of (projected angle - chart angle) over the edges.
+  // Rotate the frame by the mean of (projected angle - chart angle) over the edges.
   Complex sum = 0.0;
   const auto add = [&](const Vec3& direction, double chartAngle) {
     const Complex projected(direction.dot(x), direction.dot(y));

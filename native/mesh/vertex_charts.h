@@ -31,7 +31,7 @@ class VertexCharts {
   /// Angle, in the flat frame of face(h), of the direction along h.
   double faceAngle(Index h) const { return faceAngle_[h]; }
 
-  /// Orthonormal frame of the tangent plane in space; the x axis is turned so that chart angles fit the projected
+  /// Orthonormal frame of the tangent plane in space; the x axis is rotated so that chart angles fit the projected
   /// edge directions best (least squares). Unused vertices get an arbitrary frame.
   Vec3 normal(Index v) const { return normals_.row(v); }
   Vec3 xAxis(Index v) const { return xAxes_.row(v); }

@@ -1,7 +1,7 @@
 // Texture coordinates that flow: for every frame, where the material at each vertex was when its cycle began.
 //
-// Coordinates carried for ever would be stretched without limit, so each vertex x has two phases, half a period apart,
-// and each starts anew once a period P (docs/algorithms/flowing-texture.md). With the offset o(x) of the vertex
+// Coordinates that are carried without end would be stretched without limit, so each vertex x has two phases, half a
+// period apart, and each starts anew once a period P (docs/architecture.md). With the offset o(x) of the vertex
 // (texture/stagger.h)
 //     cycle position  c_a = frame / P + o(x),   c_b = c_a + 1/2,      age = fractional part of c, in periods,
 //     phase(x)        = x traced back along the unsteady advection field for age * P frames + offset of the cycle.
@@ -14,8 +14,8 @@
 // one phase at two cycles. A shader keeps the contrast of its texture T with mean m through
 //     m + (w_a (T(a) - m) + w_b (T(b) - m)) / sqrt(w_a^2 + w_b^2).
 //
-// Each frame is computed from nothing but the inputs: any part of an animation gives the same bytes. What would have
-// entered through a boundary has its coordinates on that boundary.
+// Each frame is computed from nothing but the inputs: any part of an animation gives the same bytes. Points whose
+// path back reaches a boundary have their coordinates on it.
 #pragma once
 
 #include <memory>
@@ -29,7 +29,7 @@ struct AdvectionOptions {
   double framesPerSecond = 24.0;
   double period = 48.0;     ///< frames after which a phase starts anew
   double speed = 1.0;       ///< factor on the advection field
-  double deadZone = 0.1;    ///< part of a period before and after a start that is invisible, above 0, below 1/4
+  double deadZone = 0.1;    ///< fraction of a period before and after a start that is invisible, above 0, below 1/4
   double renewal = 1.0;     ///< range of the random vectors in sizes of the object; 0: plain carried positions
   double tolerance = 1e-4;  ///< of the tracer, mean edge lengths per step
   std::uint64_t seed = 0;

@@ -14,7 +14,7 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-/// One vertex of each component is held at 0, the rest follows from the mean.
+/// One vertex of each component is held at 0, the others follow from the mean.
 std::vector<char> heldVertices(const TriangleMesh& mesh) {
   std::vector<char> held(mesh.vertexCount(), 0);
   std::vector<char> seen(mesh.componentCount(), 0);
@@ -77,8 +77,8 @@ struct StreamFunctionSolver::Factor {
       Complex v = 0.0;
       for (int i = 0; i < 3; ++i) v += mean[3 * f + i] * values[mesh.vertex(f, i)];
       for (int i = 0; i < 3; ++i) {
-        // Integral of V . (grad hat_i x n): grad hat_i is the opposite side turned into the face over twice the area,
-        // and turning it back leaves the side itself.
+        // Integral of V . (grad hat_i x n): grad hat_i is the opposite side rotated into the face over twice the
+        // area; rotated back it is the side itself.
         const Index h = 3 * f + (i + 1) % 3;
         const Complex side = std::polar(mesh.edgeLength(mesh.edge(h)), charts->faceAngle(h));
         result[mesh.vertex(f, i)] += 0.5 * (v.real() * side.real() + v.imag() * side.imag());

@@ -35,7 +35,7 @@ std::vector<std::vector<Index>> boundaryLoops(const TriangleMesh& mesh) {
 class BoundaryWalk {
  public:
   explicit BoundaryWalk(const VectorField& field)
-      : field_(field), mesh_(field.mesh()), turns_(edgeTurns(*field.charts, field.values.data())) {}
+      : field_(field), mesh_(field.mesh()), turns_(edgeRotations(*field.charts, field.values.data())) {}
 
   void follow(const std::vector<Index>& loop) {
     for (std::size_t i = 0; i < loop.size(); ++i) {

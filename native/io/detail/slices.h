@@ -13,8 +13,8 @@
 
 namespace stormfield {
 
-/// body(begin, end) for slices of at most `size` numbers that together are 0..count, in parallel. Reports their part of
-/// the whole to `progress` (may be null), and throws Cancelled.
+/// body(begin, end) for slices of at most `size` numbers that together are 0..count, in parallel. Reports the
+/// fraction done to `progress` (may be null), and throws Cancelled.
 template <typename Body>
 void inSlices(std::size_t count, std::size_t size, Progress* progress, const Body& body) {
   std::atomic<std::size_t> done{0};

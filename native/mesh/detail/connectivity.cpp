@@ -9,7 +9,7 @@
 namespace stormfield {
 namespace {
 
-/// A face is without area when its height is this part of its longest edge: below, its angles are round-off.
+/// A face is without area when its height is this fraction of its longest edge: below, its angles are round-off.
 constexpr double kFlatHeight = 1e-13;
 
 Index next(Index h) {

@@ -1,4 +1,4 @@
-// The steps that turn a soup of triangles into an oriented 2-manifold; TriangleMesh runs them in this order.
+// The steps from a list of triangles to an oriented 2-manifold; TriangleMesh runs them in this order.
 //
 // Each step throws MeshError naming the element and the cure when the input cannot be used.
 #pragma once
