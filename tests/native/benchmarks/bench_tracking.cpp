@@ -27,7 +27,7 @@ ParameterizedField history(Index n, bool rough) {
     return values;
   };
   const std::vector<Complex> a = averaged(1), b = averaged(2);
-  ParameterizedField field{charts, test::evenLambdas(100), {}};
+  ParameterizedField field{charts, evenLambdas(100), {}};
   std::vector<Complex> values;
   for (const double lambda : field.lambdas) {
     for (std::size_t v = 0; v < a.size(); ++v) {

@@ -82,7 +82,7 @@ inline ConstraintSet randomConstraints(const VertexCharts& charts, Index samples
   }
   for (int k = 0; hard && k < 20; ++k) {
     const Index v = random.below(vertices);
-    const Index j = static_cast<Index>(random() % samples);
+    const Index j = random.below(samples);
     const Complex value(static_cast<double>(v % 7) - 3.0, static_cast<double>(j % 5) - 2.0);
     set.add(v, j, value, kHard, 1);
   }

@@ -42,5 +42,33 @@ TEST(LambdaGrid, InterpolatesLinearlyAndRestrictsWithTheAdjoint) {
   }
 }
 
+TEST(LambdaGrid, CoarsensByTheGalerkinProducts) {
+  for (Index samples = 2; samples <= 21; ++samples) {
+    LambdaGrid fine = finestLambdaGrid(samples);
+    for (int level = 0; level < 2 && fine.samples() > 1; ++level) {
+      const LambdaGrid coarse = coarsened(fine);
+      const Index n = fine.samples(), m = coarse.samples();
+      ASSERT_EQ(m, (n + 1) / 2);
+      Eigen::MatrixXd p = Eigen::MatrixXd::Zero(n, m);
+      for (Index j = 0; j < n; ++j) {
+        const bool between = j % 2 == 1 && j + 1 < n;
+        p(j, j / 2) = between ? 0.5 : 1.0;
+        if (between) p(j, j / 2 + 1) = 0.5;
+      }
+      const auto difference = [](const LambdaGrid& grid) {
+        Eigen::MatrixXd t = Eigen::MatrixXd::Zero(grid.samples(), grid.samples());
+        const double k = static_cast<double>(grid.coupling);
+        for (Index j = 0; j + 1 < grid.samples(); ++j) t.block<2, 2>(j, j) += Eigen::Matrix2d{{k, -k}, {-k, k}};
+        return t;
+      };
+      EXPECT_LT((p.transpose() * difference(fine) * p - difference(coarse)).cwiseAbs().maxCoeff(), 1e-12) << samples;
+      const Eigen::VectorXd mass = Eigen::Map<const Eigen::VectorXf>(fine.mass.data(), n).cast<double>();
+      const Eigen::VectorXd lumped = Eigen::Map<const Eigen::VectorXf>(coarse.mass.data(), m).cast<double>();
+      EXPECT_LT((p.transpose() * mass - lumped).cwiseAbs().maxCoeff(), 1e-12) << samples;
+      fine = coarse;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stormfield
