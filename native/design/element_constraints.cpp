@@ -12,6 +12,7 @@
 
 #include "design/detail/other_targets.h"
 #include "design/detail/singular_targets.h"
+#include "field/parameterized_field.h"
 
 namespace stormfield {
 

@@ -1,8 +1,8 @@
 // Texture coordinates that flow: for every frame, where the material at each vertex was when its cycle began.
 //
 // Coordinates that are carried without end would be stretched without limit, so each vertex x has two phases, half a
-// period apart, and each starts anew once a period P (docs/architecture.md). With the offset o(x) of the vertex
-// (texture/stagger.h)
+// period apart, and each starts anew once a period P (Max, Becker 1996, Flow Visualization Using Moving Textures;
+// Neyret 2003, Advected Textures). With the offset o(x) of the vertex (texture/stagger.h)
 //     cycle position  c_a = frame / P + o(x),   c_b = c_a + 1/2,      age = fractional part of c, in periods,
 //     phase(x)        = x traced back along the unsteady advection field for age * P frames + offset of the cycle.
 // The phases are 3D positions in object space, for solid textures on any mesh. Each cycle of each phase adds its own

@@ -1,11 +1,10 @@
 // The stream function of a field: the potential psi whose level curves the flow follows.
 //
 // psi minimizes the integral of |V - grad psi x n|^2 over the surface (n outwards): the co-exact component of V in the
-// Helmholtz-Hodge decomposition V = grad phi + grad psi x n + harmonic, with natural boundary conditions (Tong,
-// Lombeyda, Hirani, Desbrun 2003, Discrete Multiscale Vector Field Decomposition; here with piecewise linear psi). psi
-// grows to the left of the flow: on a sphere, eastward rotation about z has psi proportional to +z. psi has mean zero
-// on every component and is linear in V, so it changes continuously with lambda; units are squared mesh units per
-// second.
+// Helmholtz-Hodge decomposition V = grad phi + grad psi x n + harmonic, with natural boundary conditions (Polthier,
+// Preuss 2003, Identifying Vector Field Singularities Using a Discrete Hodge Decomposition). psi grows to the left of
+// the flow: on a sphere, eastward rotation about z has psi proportional to +z. psi has mean zero on every component and
+// is linear in V, so it changes continuously with lambda; units are squared mesh units per second.
 //
 //   const StreamFunctionSolver solver(charts);  // factorizes the cotangent Laplacian once per mesh
 //   const std::vector<double> psi = solver.solve(field.values.data());
