@@ -9,7 +9,8 @@
 //
 // Distances are propagated from face to face by unfolding (the source's mirror image in the plane of the next face), in
 // the order of distance as in Dijkstra's algorithm (Melvaer, Reimers 2012, Geodesic Polar Coordinates on Polygonal
-// Meshes): the map follows the connectivity and never jumps over gaps or through thin sheets. Behind the cut locus each vertex keeps its shortest path.
+// Meshes): the map follows the connectivity and never jumps over gaps or through thin sheets. Behind the cut locus each
+// vertex keeps its shortest path.
 #pragma once
 
 #include <memory>
