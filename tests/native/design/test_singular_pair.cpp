@@ -7,6 +7,7 @@
 
 #include "field/poincare_index.h"
 #include "fixtures.h"
+#include "mesh/closest_point.h"
 
 namespace stormfield {
 namespace {
