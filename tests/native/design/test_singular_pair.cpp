@@ -67,7 +67,7 @@ TEST(SingularPair, EachElementKeepsItsOwnKind) {
   const SingularPair pair{plane.state(a, SingularKind::VortexCcw, 0.5), plane.state(b, SingularKind::VortexCcw, 0.5),
                           plane.state(Vec3::Zero(), SingularKind::VortexCcw, 0.5), 0.8};
   const auto targets = pairTargets(plane.charts->mesh(), pair, plane.map(pair.a.point), plane.map(pair.b.point),
-                                   plane.map(plane.query.closest(Vec3::Zero()).point));
+                                   plane.map(plane.query.closest(Vec3(0.0, 0.0, 0.0)).point));
   int checked = 0;
   for (const PairTarget& t : targets) {
     const Vec3 p = plane.charts->mesh().point(t.vertex);
