@@ -79,9 +79,7 @@ def test_pathline_of_a_steady_field_is_its_streamline(sphere, rotation):
         field, np.array([0.0, 1.0]), np.array([0.0, 1.0]), faces, barycentric, np.zeros(20), durations, speed=0.5
     )
     for i in range(20):
-        line = native.trace_streamlines(
-            rotation, faces[i : i + 1], barycentric[i : i + 1], max_time=0.5 * durations[i]
-        )
+        line = native.trace_streamlines(rotation, faces[i : i + 1], barycentric[i : i + 1], max_time=0.5 * durations[i])
         np.testing.assert_allclose(paths.points[paths.offsets[i + 1] - 1], line.points[-1], atol=1e-5)
 
 
