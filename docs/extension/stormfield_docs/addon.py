@@ -105,7 +105,7 @@ def names_in_panels() -> frozenset[str]:
     for tree in _sources("ui"):
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and getattr(node.func, "attr", "") in {"prop", "prop_search", "prop_enum"}:
-                drawn |= {each.value for each in node.args[1:2] if isinstance(each, ast.Constant)}
+                drawn |= {str(each.value) for each in node.args[1:2] if isinstance(each, ast.Constant)}
     return frozenset(drawn)
 
 

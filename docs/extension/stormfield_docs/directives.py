@@ -133,7 +133,7 @@ def _number(setting: addon.Setting, value: float | None) -> str:
 
 
 def _entry(directive: SphinxDirective, anchor: str, label: str, said: str, body: list[nodes.Node]) -> nodes.Node:
-    term = nodes.term("", "", nodes.Text(label), ids=[anchor], names=[anchor])
+    term = nodes.term("", "", nodes.strong(text=label), ids=[anchor], names=[anchor])
     directive.state.document.note_explicit_target(term)
     if said:
         term += nodes.Text("  ")
