@@ -32,6 +32,12 @@ def test_pages_name_files_that_exist():
     assert not missing
 
 
+def test_every_algorithm_is_in_the_table():
+    table = pages()["docs/algorithms/index.md"]
+    names = [page.rpartition("/")[2] for page in pages() if page.startswith("docs/algorithms/")]
+    assert [name for name in names if name != "index.md" and f"]({name})" not in table] == []
+
+
 def test_tests_that_pages_name_exist():
     written = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests" / "native").rglob("test_*.cpp"))
     known = {f"{suite}.{name}" for suite, name in re.findall(r"^TEST(?:_[FP])?\((\w+), (\w+)\)", written, flags=re.M)}

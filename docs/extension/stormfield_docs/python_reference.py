@@ -11,6 +11,8 @@ from typing import Any
 from .addon import ADDON
 from .commands import escaped
 
+#: Characters of code that fit on a page.
+WIDTH = 86
 #: Modules of the package that programs may rely on, in the order of the page.
 PUBLIC = (
     "model/design.py",
@@ -103,7 +105,7 @@ def _function(node: ast.FunctionDef, level: str) -> str:
         else f"{node.name}({arguments}){returns}"
     )
     text = docstring(ast.get_docstring(node))
-    return f"{level} {escaped(node.name)}\n\n```python\n{signature}\n```\n\n{text}\n\n"
+    return f"{level} {escaped(node.name)}\n\n```python\n{wrapped(signature)}\n```\n\n{text}\n\n"
 
 
 # The compiled module --------------------------------------------------------------------------------------------------
@@ -165,7 +167,24 @@ def plain(signature: str) -> str:
     ):
         signature = signature.replace(long, short)
     signature = re.sub(r"<\w+ object at 0x\w+>", "...", signature)
-    return re.sub(r"\(self: \w+(, )?", "(", signature)
+    return wrapped(re.sub(r"\(self: \w+(, )?", "(", signature))
+
+
+def wrapped(signature: str) -> str:
+    """One argument a line where the signature is longer than a page is wide."""
+    begin = signature.find("(")
+    if len(signature) <= WIDTH or begin < 0:
+        return signature
+    depth, starts, end = 0, [begin + 1], len(signature)
+    for place in range(begin, len(signature)):
+        depth += (signature[place] in "([{") - (signature[place] in ")]}")
+        if depth == 1 and signature[place] == ",":
+            starts.append(place + 1)
+        if depth == 0:
+            end = place
+            break
+    arguments = [signature[a:b].strip().rstrip(",") for a, b in zip(starts, [*starts[1:], end], strict=True)]
+    return "\n    ".join([signature[: begin + 1], *(f"{each}," for each in arguments)]) + "\n" + signature[end:]
 
 
 def docstring(text: str | None) -> str:
