@@ -32,6 +32,28 @@ def test_pages_name_files_that_exist():
     assert not missing
 
 
+@pytest.mark.parametrize("page", ["package", "native"])
+def test_the_examples_of_the_python_reference_run(page):
+    example = re.search(r"```python\n(.*?)```", pages()[f"docs/reference/python-{page}.md"], flags=re.S)
+    assert example is not None
+    found: dict = {}
+    exec(example[1], found)
+    assert found["kinds"] == ["source"] if page == "native" else found["vectors"].shape[1:] == (3,)
+
+
+def test_commands_on_pages_are_commands():
+    group = addon.command_group()
+    for page, text in pages().items():
+        for line in re.findall(r"^(?:\.venv/bin/)?stormfield ([a-z].*)$", text, flags=re.M):
+            words = re.findall(r"--[a-z-]+|[\w.]+", line.partition("#")[0])
+            assert words[0] in group.commands, f"{page}: {line}"
+            known = {
+                option for each in group.commands[words[0]].params for option in (*each.opts, *each.secondary_opts)
+            }
+            given = {word for word in words if word.startswith("--")}
+            assert given <= known, f"{page}: {line}"
+
+
 def test_every_algorithm_is_in_the_table():
     table = pages()["docs/algorithms/index.md"]
     names = [page.rpartition("/")[2] for page in pages() if page.startswith("docs/algorithms/")]

@@ -37,10 +37,14 @@ PACKAGE_HEAD = """# The package `stormfield`
 The add-on is also a Python package. What is listed here runs without Blender. This page is made from the docstrings.
 
 ```python
-import json
-import stormfield.solve
-from stormfield.model.design import Design
-from stormfield.model.mesh_data import MeshData
+from stormfield.model.design import Design, Element
+from stormfield.readers.icosphere import icosphere
+from stormfield.solve import start_solve
+
+eye = Element("Eye", "singular", ((0.0, 0.0, 1.0),), kind="vortex_ccw", radius=0.4)
+job = start_solve(icosphere(2000), Design(elements=(eye,)))
+solution = job.result()  # or watch job.done and job.fraction
+vectors = solution.fields["advection"].at(0.5).to_space()  # (n, 3), mesh units per second
 ```
 
 """
@@ -50,6 +54,17 @@ The compiled core. This page is made from its docstrings when the documentation 
 
 Arrays are NumPy arrays; lengths are mesh units, angles radians, times seconds. Long work has two forms: `X(...)` waits
 and returns the result; `start_X(...)` returns at once with a job: `done`, `fraction`, `cancel()`, `result()`.
+
+```python
+import numpy as np
+import stormfield_native as native
+
+corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0), (0, 0, 0)], dtype=float)
+faces = np.array([(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)], dtype=np.int32)
+mesh = native.TriangleMesh(corners, faces)
+field = native.VectorField.from_space(mesh, corners - [0.1, 0.0, 0.0])
+kinds = [str(point.kind) for point in native.fixed_points(field)]  # ['source']
+```
 
 """
 
