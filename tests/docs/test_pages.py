@@ -128,6 +128,8 @@ def test_the_python_reference_names_every_class_and_function():
 def test_every_operator_and_every_setting_in_a_panel_has_a_place():
     named = set().union(*(anchors(text) for page, text in pages().items() if page.startswith("docs/panels")))
     assert {operator.anchor for operator in addon.operators().values()} <= named
+    curves = [setting for name in ("streamlines", "pathlines") for setting in addon.operator_settings()[name].values()]
+    assert {setting.anchor for setting in curves} <= named
     shown = {s.anchor for group in addon.settings().values() for s in group.values() if addon.shown(s)}
     assert shown
     assert shown <= named

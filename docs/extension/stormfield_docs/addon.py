@@ -6,7 +6,7 @@ import importlib.util
 import sys
 import types
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -66,6 +66,31 @@ def settings() -> dict[str, dict[str, Setting]]:
     with _tree_package("stormfield_for_docs", blender=True):
         properties = importlib.import_module("stormfield_for_docs.properties")
         return {cls.__name__: _settings_of(cls) for cls in properties.CLASSES}
+
+
+@cache
+def operator_settings() -> dict[str, dict[str, Setting]]:
+    """The settings of the operators themselves, in the panel Adjust Last Operation, by the operator's name."""
+    found: dict[str, dict[str, Setting]] = {}
+    for tree in _sources("operators"):
+        lists = {ast.unparse(s.targets[0]): s.value for s in tree.body if isinstance(s, ast.Assign)}
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef) and _texts(node).get("bl_idname", "").startswith("stormfield."):
+                name = _texts(node)["bl_idname"].partition(".")[2]
+                found[name] = {}
+                for key, call in ((s.target, s.annotation) for s in node.body if isinstance(s, ast.AnnAssign)):
+                    if isinstance(call, ast.Call):
+                        found[name][ast.unparse(key)] = _setting(name, ast.unparse(key), call, lists)
+    return found
+
+
+def _setting(group: str, name: str, call: ast.Call, lists: dict[str, ast.expr]) -> Setting:
+    options: dict[str, Any] = {}
+    for keyword in call.keywords:
+        value = lists.get(keyword.value.id, keyword.value) if isinstance(keyword.value, ast.Name) else keyword.value
+        with suppress(ValueError):  # computed: the page goes without
+            options[str(keyword.arg)] = ast.literal_eval(value)
+    return _described(group, name, ast.unparse(call.func).removesuffix("Property"), options)
 
 
 @cache
@@ -133,21 +158,26 @@ def _texts(node: ast.ClassDef) -> dict[str, str]:
 
 
 def _settings_of(cls: type) -> dict[str, Setting]:
-    found = {}
-    for name, recorded in cls.__annotations__.items():
-        options = recorded.options
-        found[name] = Setting(
-            group=cls.__name__,
-            name=name,
-            kind=recorded.kind,
-            label=options.get("name", name),
-            description=options.get("description", ""),
-            default=options.get("default"),
-            lowest=options.get("min"),
-            highest=options.get("max"),
-            items=tuple((item[1], item[2]) for item in options.get("items", ())),
-        )
-    return found
+    recorded = cls.__annotations__.items()
+    return {name: _described(cls.__name__, name, found.kind, found.options) for name, found in recorded}
+
+
+def _described(group: str, name: str, kind: str, options: dict[str, Any]) -> Setting:
+    items = options.get("items", ())
+    default = options.get("default")
+    if kind == "Enum" and isinstance(default, str):
+        default = {item[0]: item[1] for item in items}.get(default, default)
+    return Setting(
+        group=group,
+        name=name,
+        kind=kind,
+        label=options.get("name", name),
+        description=options.get("description", ""),
+        default=default,
+        lowest=options.get("min"),
+        highest=options.get("max"),
+        items=tuple((item[1], item[2]) for item in items),
+    )
 
 
 # Blender, as far as classes and properties are defined with it --------------------------------------------------------

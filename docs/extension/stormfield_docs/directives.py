@@ -13,15 +13,18 @@ from . import addon, arrows
 
 
 class Settings(SphinxDirective):
-    """```{settings} GROUP``` with the names of the settings in its body."""
+    """```{settings} GROUP```, or the name of an operator, with the names of the settings in its body."""
 
     required_arguments = 1
     has_content = True
 
     def run(self) -> list[nodes.Node]:
-        group = addon.settings().get(self.arguments[0])
+        groups = {**addon.operator_settings(), **addon.settings()}
+        group = groups.get(self.arguments[0])
         if group is None:
-            raise self.error(f"there is no property group {self.arguments[0]}; there are {', '.join(addon.settings())}")
+            raise self.error(
+                f"there is no property group or operator {self.arguments[0]}; there are {', '.join(groups)}"
+            )
         names = " ".join(self.content).split()
         unknown = [name for name in names if name not in group]
         if unknown:
