@@ -9,7 +9,7 @@
 // along the bisector.
 //
 //   const FaceInterpolant local = faceInterpolant(field, f);
-//   const Complex v = local.evaluate(local.point(barycentric));  // flat frame of the face, mesh units per second
+//   const Complex v = local.evaluate(local.point(p.barycentric));  // flat frame of the face, mesh units per second
 #pragma once
 
 #include <array>

@@ -1,9 +1,9 @@
 // A flow map: a vector field as an image over a UV layer, for shaders that know nothing of the mesh.
 //
 // Channels R, G, B, A of each pixel that the surface reaches (A = 1; elsewhere all are 0):
-// - FlowMapBasis::Uv: R, G = the velocity of the UV coordinates, UV units per second: texture moved by (R, G) dt flows
-//   with the field; B = speed, mesh units per second.
-// - FlowMapBasis::Object: R, G, B = the vector in object space, mesh units per second.
+//     FlowMapBasis::Uv      R, G = the velocity of the UV coordinates, UV units per second; B = speed, mesh units per
+//                           second: texture moved by (R, G) dt flows with the field
+//     FlowMapBasis::Object  R, G, B = the vector in object space, mesh units per second
 //
 //   const UvRaster raster = rasterizeUv(mesh, uvs, {1024, 1024});  // once per layer
 //   const FlowMapImage image = flowMap(field, uvs, raster, FlowMapBasis::Uv);

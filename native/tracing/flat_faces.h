@@ -12,7 +12,7 @@
 //   const FlatFaces faces(charts);
 //   const FlatFace& face = faces[f];
 //   const CarriedVectors u = face.carry(values[face.vertex(0)], values[face.vertex(1)], values[face.vertex(2)]);
-//   const Complex v = face.evaluate(u, face.point(barycentric));  // in the flat frame of f
+//   const Complex v = face.evaluate(u, face.point(p.barycentric));  // in the flat frame of f
 #pragma once
 
 #include <array>

@@ -6,9 +6,9 @@
 // a true pathline, and a line does not depend on the times at which earlier ones were asked for. Where no particle
 // between two neighbours fills the gap (they passed a saddle or a hole on different sides) the line is torn.
 //
-//   const UnsteadyField flow(faces, fieldOverLambda, {.times = {0, 10}, .lambdas = {0, 1}});
-//   const auto smoke = traceStreaklines(flow, seeds, 0.0, {1, 2, 3}, {.spacing = 0.01});  // smoke[2]: the lines at 3 s
-//   const auto fronts = traceTimelines(flow, {seeds}, 0.0, {1, 2, 3}, {.spacing = 0.01});  // from one curve
+//   const UnsteadyField flow(faces, field, {.times = {0, 10}, .lambdas = {0, 1}});
+//   const auto smoke = traceStreaklines(flow, {seed}, 0.0, {1, 2, 3}, {.spacing = 0.01});  // smoke[2]: the lines at 3 s
+//   const auto fronts = traceTimelines(flow, {curve}, 0.0, {1, 2, 3}, {.spacing = 0.01});
 #pragma once
 
 #include "tracing/pathline.h"

@@ -1,6 +1,6 @@
 // Pathlines: traces of a field that changes, along a lambda track (thesis 10.1.2, definition 10.1.2).
 //
-//   const UnsteadyField flow(faces, fieldOverLambda, {.times = {0, 10}, .lambdas = {0, 1}});
+//   const UnsteadyField flow(faces, field, {.times = {0, 10}, .lambdas = {0, 1}});
 //   const Traces lines = tracePathlines(flow, {{seed, 2.5, 1.0}}, {});  // from 2.5 s to 3.5 s
 //
 // Options apply as to streamlines, but minSpeed does not: the field at a stationary particle may change later.

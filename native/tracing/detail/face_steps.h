@@ -2,11 +2,12 @@
 // faces apart from those in curved ones, which take longer. Every particle's result is the same as that of
 // stepThroughFace.
 //
-//   FaceSteps steps(limits);
-//   steps.set(0, faceFlow, entry, inside, 1.0);
+//   FaceSteps steps({.tolerance = 1e-6, .relativeTolerance = 1e-4});
+//   const FaceFlow flow(faces[p.face], {1.0, 1.0, 1.0});
+//   steps.set(0, flow, {}, p.barycentric, 1.0);
 //   FaceStep step;
 //   for (const int i : steps.advance()) {
-//     if (steps.take(i, step) == FaceSteps::Outcome::Done) steps.set(i, faceFlow, step.exit, step.barycentric, 1.0);
+//     const bool done = steps.take(i, step) == FaceSteps::Outcome::Done;  // else it is asked again, or not plain
 //   }
 //
 // tracing/side_by_side.h does that for whole traces.
