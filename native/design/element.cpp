@@ -47,8 +47,7 @@ void checkPoints(const DesignElement& element) {
                      " points: a regular element is an arrow from its first point to its second");
   if (element.points.size() == 1 && !element.direction)
     throw InputError(describe(element) + " has no direction: add a second point or a direction");
-  const Vec3 arrow = element.points.size() == 2 ? Vec3(element.points[1] - element.points[0]) : *element.direction;
-  if (!(arrow.norm() > 0.0))
+  if (!(arrowOf(element).norm() > 0.0))
     throw InputError(describe(element) + " has an arrow of length 0: move its second point away from the first");
 }
 
@@ -100,22 +99,22 @@ int poincareIndex(SingularKind kind) {
 }
 
 Complex rotation(SingularKind kind) {
-  const auto turn = [](double quarters) { return std::polar(1.0, quarters * std::numbers::pi / 4.0); };
+  const auto rotated = [](double eighths) { return std::polar(1.0, eighths * std::numbers::pi / 4.0); };
   switch (kind) {
     case SingularKind::Sink:
-      return turn(4);
+      return rotated(4);
     case SingularKind::VortexCcw:
-      return turn(2);
+      return rotated(2);
     case SingularKind::VortexCw:
-      return turn(-2);
+      return rotated(-2);
     case SingularKind::SpiralInCcw:
-      return turn(3);
+      return rotated(3);
     case SingularKind::SpiralInCw:
-      return turn(-3);
+      return rotated(-3);
     case SingularKind::SpiralOutCcw:
-      return turn(1);
+      return rotated(1);
     case SingularKind::SpiralOutCw:
-      return turn(-1);
+      return rotated(-1);
     case SingularKind::Source:
     case SingularKind::Saddle:
       break;
@@ -140,6 +139,10 @@ std::string describe(const DesignElement& element) {
       break;
   }
   return "curve \"" + element.name + "\"";
+}
+
+Vec3 arrowOf(const DesignElement& element) {
+  return element.points.size() == 2 ? Vec3(element.points[1] - element.points[0]) : *element.direction;
 }
 
 void checkElements(const std::vector<DesignElement>& elements) {

@@ -52,6 +52,9 @@ int poincareIndex(SingularKind kind);
 /// Unit factor that turns the direction away from the centre into the element's own direction (not for saddles).
 Complex rotation(SingularKind kind);
 
+/// Of a regular element: from its first point to its second, or its direction.
+Vec3 arrowOf(const DesignElement& element);
+
 /// Throws InputError on the first fault that needs no mesh: no element, duplicate names, values that are not finite,
 /// a radius <= 0, too few points, lambda outside 0..1 or not increasing or of the wrong number.
 void checkElements(const std::vector<DesignElement>& elements);

@@ -12,6 +12,7 @@
 
 #include "base/message.h"
 #include "solver/connection_laplacian.h"
+#include "solver/detail/chunk_loop.h"
 #include "solver/detail/krylov.h"
 #include "solver/detail/space_time_residual.h"
 
@@ -200,9 +201,6 @@ class SpaceTimeSolver::Solve {
   }
 
   using Squares = std::vector<double>;  ///< of a residual, per chunk
-  static double lengthOf(const Squares& squares) {
-    return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0));
-  }
   Squares residual(const ConstraintRows* before = nullptr) const {
     return operator_.residual(state_.vectors.x.data(), state_.scale, state_.vectors.r.data(), before, progress_);
   }

@@ -9,6 +9,7 @@
 #include "tracing/detail/lambda_track.h"
 #include "tracing/face_flow.h"
 #include "tracing/flat_faces.h"
+#include "tracing/trace.h"
 
 namespace stormfield {
 
@@ -68,8 +69,12 @@ class UnsteadyFlow {
     CarriedVectors base, change;  ///< at theta = 0, and from there to theta = 1
   };
 
-  UnsteadyFlow(const ParameterizedField& field, const std::vector<TimeSegment>& segments, bool backward, double speed)
-      : field_(&field), segments_(&segments), backward_(backward), rate_(backward ? -speed : speed) {}
+  UnsteadyFlow(const ParameterizedField& field, const std::vector<TimeSegment>& segments, Direction direction,
+               double speed)
+      : field_(&field),
+        segments_(&segments),
+        backward_(direction == Direction::Backward),
+        rate_(backward_ ? -speed : speed) {}
 
   Cursor start(double t) const {
     const auto& s = *segments_;

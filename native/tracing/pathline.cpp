@@ -14,8 +14,7 @@ using Unsteady = Integrator<UnsteadyFlow>;
 
 Unsteady makeIntegrator(const UnsteadyField& flow, const TraceOptions& options) {
   checkOptions(options);
-  const bool backward = options.direction == Direction::Backward;
-  return Unsteady(*flow.faces, UnsteadyFlow(*flow.field, flow.segments, backward, flow.speed), options, 0.0);
+  return Unsteady(*flow.faces, UnsteadyFlow(*flow.field, flow.segments, options.direction, flow.speed), options, 0.0);
 }
 
 void check(const UnsteadyField& flow, const std::vector<PathlineSeed>& seeds) {

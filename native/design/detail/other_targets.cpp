@@ -7,13 +7,6 @@
 
 namespace stormfield {
 
-namespace {
-
-// What the mesh cannot resolve acts on the corners of its face (thesis 5.2.2).
-constexpr double kLeastCoverOfCorners = 0.5;
-
-}  // namespace
-
 OtherTargets::OtherTargets(const VertexCharts& charts, const ClosestPointQuery& query, const DesignElement& element,
                            Index index, double stiffness, double lambdaPerSecond, LogMapScratch& scratch)
     : charts_(charts),
@@ -29,18 +22,17 @@ OtherTargets::OtherTargets(const VertexCharts& charts, const ClosestPointQuery& 
 }
 
 double OtherTargets::density() const {
-  const double relative = charts_.mesh().size() / element_.radius;
-  return stiffness_ * relative * relative;
+  return centreDensity(stiffness_, charts_.mesh().size(), element_.radius);
 }
 
 void OtherTargets::addDisc(const LogMap& map, Complex velocity, double share, std::vector<Target>& targets) const {
   const auto& triangles = charts_.mesh().triangles();
   for (const LogMapEntry& entry : map.entries) {
     double cover = falloff(entry.distance / element_.radius);
-    if ((triangles.row(map.source.face).array() == entry.vertex).any()) cover = std::max(cover, kLeastCoverOfCorners);
+    if ((triangles.row(map.source.face).array() == entry.vertex).any()) cover = std::max(cover, kCornerCover);
     if (cover > 0.0)
       targets.push_back({entry.vertex, velocity * entry.frame(), density() * cover * share, 0.0,
-                         entry.distance < kCore * element_.radius || cover == kLeastCoverOfCorners, index_});
+                         entry.distance < kCore * element_.radius || cover == kCornerCover, index_});
   }
 }
 
@@ -52,17 +44,15 @@ void OtherTargets::addAt(double lambda, double step, LogMapScratch& scratch, std
   if (element_.type == ElementType::Streamline) {
     for (const StripEntry& entry : strip_) {
       double cover = falloff(entry.distance / element_.radius);
-      if (entry.onCurve) cover = std::max(cover, kLeastCoverOfCorners);
+      if (entry.onCurve) cover = std::max(cover, kCornerCover);
       if (cover > 0.0)
         targets.push_back({entry.vertex, speed * entry.direction, density() * cover * share, 0.0,
-                           entry.distance < kCore * element_.radius || cover == kLeastCoverOfCorners, index_});
+                           entry.distance < kCore * element_.radius || cover == kCornerCover, index_});
     }
     return;
   }
   if (element_.type == ElementType::Regular) {
-    const Vec3 arrow =
-        element_.points.size() == 2 ? Vec3(element_.points[1] - element_.points[0]) : *element_.direction;
-    const Complex direction = charts_.spaceToFace(still_.source.face, arrow.normalized());
+    const Complex direction = charts_.spaceToFace(still_.source.face, arrowOf(element_).normalized());
     constexpr double kAlmostNormal = 0.05;
     if (std::abs(direction) < kAlmostNormal)
       throw InputError(describe(element_) + " points straight off the surface: turn its arrow along the surface");

@@ -12,6 +12,16 @@ namespace stormfield {
 /// Core radius over radius: hard constraints act and contradictions are looked for inside the core.
 inline constexpr double kCore = 1.0 / 3.0;
 
+/// Cover of the corners of the face that holds an element or curve: they are constrained even where the mesh does not
+/// resolve the region (thesis 5.2.2).
+inline constexpr double kCornerCover = 0.5;
+
+/// Weight density of a constraint in the middle of a region, in units of 1 / size^2: stiffness / radius^2.
+inline double centreDensity(double stiffness, double size, double radius) {
+  const double relative = size / radius;
+  return stiffness * relative * relative;
+}
+
 /// (1 - t^2)^2 inside the unit disc, t = distance / radius.
 inline double falloff(double t) {
   return t < 1.0 ? (1.0 - t * t) * (1.0 - t * t) : 0.0;

@@ -167,20 +167,18 @@ void SingularTargets::shrinkOverlapping(std::vector<ActiveElement>& active, doub
 }
 
 double SingularTargets::density(double radius) const {
-  const double relative = charts_.mesh().size() / radius;
-  return stiffness_ * relative * relative;
+  return centreDensity(stiffness_, charts_.mesh().size(), radius);
 }
 
 void SingularTargets::addDisc(const ActiveElement& active, double share, LogMapScratch& scratch,
                               std::vector<Target>& targets) const {
-  constexpr double kLeastCoverOfCorners = 0.5;
   const SingularState& state = active.state;
   const std::shared_ptr<const LogMap> map = recentLogMap(charts_, state.point, state.radius, scratch);
   const auto& triangles = charts_.mesh().triangles();
   for (const LogMapEntry& entry : map->entries) {
     double cover = falloff(entry.distance / state.radius);
-    if ((triangles.row(state.point.face).array() == entry.vertex).any()) cover = std::max(cover, kLeastCoverOfCorners);
-    const bool core = entry.distance < kCore * state.radius || cover == kLeastCoverOfCorners;
+    if ((triangles.row(state.point.face).array() == entry.vertex).any()) cover = std::max(cover, kCornerCover);
+    const bool core = entry.distance < kCore * state.radius || cover == kCornerCover;
     targets.push_back({entry.vertex, singularValue(state, entry), density(state.radius) * cover * share, cover * share,
                        core, active.track->element});
   }

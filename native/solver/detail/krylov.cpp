@@ -21,10 +21,6 @@ constexpr double kSkippedFraction = 3e-3;
 constexpr double kBestGain = 0.15;
 constexpr double kFirstGain = 0.5;
 
-double lengthOf(const std::vector<double>& squares) {
-  return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0));
-}
-
 class Iteration {
  public:
   Iteration(Multigrid& multigrid, const SpaceTimeOperator& matrix, KrylovVectors& vectors, std::vector<double> squares,

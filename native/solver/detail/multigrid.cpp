@@ -162,7 +162,7 @@ void Multigrid::relaxForward(std::size_t l, const float* b, float* x, SweepStart
   const std::size_t stride = level.lambda.stride();
   const Neighbours neighbours = start == SweepStart::Zero ? Neighbours::Earlier : Neighbours::All;
   for (Index colour = 0; colour < sweep.colours(); ++colour) {
-    forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], isParallel(level), progress, [&](Index chunk) {
+    forChunks(level, sweep.colourStart[colour], sweep.colourStart[colour + 1], progress, [&](Index chunk) {
       if (isSkipped(chunk, skipped)) {
         std::fill(x + sweep.chunkStart[chunk] * stride, x + sweep.chunkStart[chunk + 1] * stride, 0.0f);
         return;
@@ -181,7 +181,7 @@ double Multigrid::relaxBackward(std::size_t l, const float* b, float* x, const C
   const std::size_t stride = level.lambda.stride();
   std::vector<double> products(sweep.chunks(), 0.0);
   for (Index colour = sweep.colours() - 1; colour >= 0; --colour) {
-    forChunks(sweep.colourStart[colour], sweep.colourStart[colour + 1], isParallel(level), progress, [&](Index chunk) {
+    forChunks(level, sweep.colourStart[colour], sweep.colourStart[colour + 1], progress, [&](Index chunk) {
       if (isSkipped(chunk, skipped) && !besideOthers(chunk, skipped)) return;
       const Index first = sweep.chunkStart[chunk], last = sweep.chunkStart[chunk + 1];
       Relaxation relax(level, data_[l].inverse.data(), data_[l].mass.data(), b, x, Neighbours::All);
