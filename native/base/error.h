@@ -1,4 +1,4 @@
-// The faults a caller can see. Messages name the element and the cure: they are shown to users as they are.
+// The exceptions of the core. Messages name the element and the cure: users read them unchanged.
 #pragma once
 
 #include <stdexcept>

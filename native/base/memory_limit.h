@@ -1,4 +1,4 @@
-// What maps may take of the machine's memory when nobody says.
+// The default limit on the memory of maps.
 #pragma once
 
 #ifdef _WIN32

@@ -49,7 +49,7 @@ SingularKind singularKind(const std::string& word);
 
 /// +1, or -1 for a saddle.
 int poincareIndex(SingularKind kind);
-/// Unit factor that turns the direction away from the centre into the element's own direction (not for saddles).
+/// Unit factor that rotates the direction away from the centre into the element's own direction (not for saddles).
 Complex rotation(SingularKind kind);
 
 /// Of a regular element: from its first point to its second, or its direction.
@@ -61,7 +61,7 @@ void checkElements(const std::vector<DesignElement>& elements);
 
 /// How an element is called in messages: curve "X", singular element "Y".
 std::string describe(const DesignElement& element);
-/// A number the way messages show it.
+/// A number as messages show it: four digits.
 std::string shortNumber(double value);
 
 }  // namespace stormfield

@@ -21,16 +21,16 @@ namespace stormfield {
 
 struct ElementOptions {
   Index samples = 100;
-  /// s in d lambda = s dt, 1/s: turns the speed of pathlines along lambda into mesh units per second.
+  /// s in d lambda = s dt, 1/s: converts the speed of pathlines along lambda to mesh units per second.
   double lambdaPerSecond = 1.0;
   /// Weight in the middle of a region, in units of 1 / radius^2 (lengths relative to the mesh size): the solved field
-  /// gives way to its surroundings over radius / sqrt(stiffness).
+  /// adapts to its surroundings over radius / sqrt(stiffness).
   double stiffness = 1e4;
 };
 
 /// Sorted by sample, then vertex; the same for any number of threads. Throws InputError as checkElements does, when a
 /// point lies off the surface, when singular elements meet in a way that cannot be joined, and when the cores of two
-/// elements ask for contradicting vectors at one vertex and lambda (names both); Cancelled through progress. kept: maps
+/// elements require contradicting vectors at one vertex and lambda (names both); Cancelled through progress. kept: maps
 /// from the designs before it, and for those after it.
 ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& charts,
                                  const std::vector<DesignElement>& elements, const ElementOptions& options,

@@ -54,7 +54,7 @@ class LogMapScratch {
  public:
   explicit LogMapScratch(const TriangleMesh& mesh);
 
-  /// Maps that recentLogMap shall look among and add to from now on; null: none.
+  /// The maps that recentLogMap searches and extends from now on; null: none.
   void useKept(SampleLogMaps* maps) { kept_ = maps; }
 
  private:

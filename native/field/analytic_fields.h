@@ -1,8 +1,8 @@
 // Fields given by formulas, whose topology is known: for tests, demonstrations and debugging, as OpenVDB's
 // VelocityFields.h.
 //
-// A space field gives a vector for every point of space, in mesh units per second; sampled() takes its tangential part
-// at the vertices of a mesh. Planar forms live in the plane z = 0.
+// A space field gives a vector for every point of space, in mesh units per second; sampled() takes its tangential
+// component at the vertices of a mesh. Planar forms live in the plane z = 0.
 //
 //   const VectorField field = sampled(charts, analytic::hopf(0.25, 1.0));
 //   const auto merging = sampled(charts, evenLambdas(21), analytic::Placement{}.field(analytic::foldForm));
@@ -31,7 +31,7 @@ SpaceField uniform(const Vec3& velocity);
 /// Rigid rotation, angularVelocity x point (radians per second): on a sphere two centers at the ends of the axis, all
 /// other streamlines closed.
 SpaceField rotation(const Vec3& angularVelocity);
-/// Thesis equation 3.1: exactly n periodic orbits inside the radius (n + 1) pi, attracting and repelling in turn.
+/// Thesis equation 3.1: exactly n periodic orbits inside the radius (n + 1) pi, attracting and repelling alternately.
 Vec3 equation31(const Vec3& point);
 /// Normal form of the Hopf bifurcation: r' = r (growth - r^2), angle' = rotation. For growth > 0 a source inside an
 /// attracting orbit of radius sqrt(growth), period 2 pi / |rotation| and multiplier exp(-2 growth period); else a sink.

@@ -19,7 +19,7 @@
 
 namespace stormfield {
 
-/// All that is needed to evaluate a field inside one face, without further look-ups.
+/// What evaluates a field inside one face, without access to the mesh.
 struct FaceInterpolant {
   std::array<Complex, 3> corners;   ///< positions of the corners in the flat frame, corner 0 at the origin
   std::array<Complex, 3> bisector;  ///< unit direction at the corner into the face, halfway between its edges

@@ -19,7 +19,7 @@ struct VectorField {
 
 /// Throws InputError on a size that does not match the mesh or a value that is not finite (names the vertex).
 VectorField makeVectorField(std::shared_ptr<const VertexCharts> charts, std::vector<Complex> values);
-/// From vectors in space (n x 3); their normal parts are dropped.
+/// From vectors in space (n x 3); their normal components are dropped.
 VectorField fromSpace(std::shared_ptr<const VertexCharts> charts, const Points& vectors);
 /// To vectors in space (n x 3).
 Points toSpace(const VectorField& field);

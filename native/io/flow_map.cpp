@@ -7,7 +7,7 @@
 namespace stormfield {
 namespace {
 
-/// Pixels drawn between two looks at the progress.
+/// Pixels between two checks of the progress.
 constexpr std::size_t kSlice = 16384;
 /// Maps a vector in space to the velocity of the UV coordinates, for one face: the inverse of (dP/du, dP/dv).
 class UvVelocity {
@@ -19,7 +19,7 @@ class UvVelocity {
       edges.col(k) = mesh.point(mesh.vertex(f, k + 1)) - mesh.point(mesh.vertex(f, 0));
       uvEdges.col(k) = uv[k + 1] - uv[0];
     }
-    // vector = edges * w for w in the face's own coordinates (least squares: the normal part drops out).
+    // vector = edges * w for w in the face's own coordinates (least squares: the normal component drops out).
     map_ = uvEdges * (edges.transpose() * edges).inverse() * edges.transpose();
   }
   Eigen::Vector2d operator()(const Vec3& vector) const { return map_ * vector; }

@@ -14,9 +14,9 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-/// Rows handled by one task; a face is seen by every band it touches, in face order, so no two tasks share a pixel.
+/// Rows handled by one task; a face is drawn by every band it touches, in face order, so no two tasks share a pixel.
 constexpr Index kBand = 16;
-/// Faces sorted between two looks at the progress.
+/// Faces between two checks of the progress.
 constexpr Index kBatch = 4096;
 /// A triangle this far (pixels) from a pixel's centre still touches its square.
 constexpr double kTouch = 0.70711;

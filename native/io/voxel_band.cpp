@@ -15,7 +15,7 @@ namespace stormfield {
 namespace {
 
 constexpr double kMaxVoxels = 268435456.0;
-/// Blocks between two looks at the progress.
+/// Blocks between two checks of the progress.
 constexpr std::size_t kSlice = 4;
 /// Of distances against the band's width, so that rounding never prunes a block that holds a voxel.
 constexpr double kSlack = 1e-9;

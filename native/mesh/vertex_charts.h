@@ -38,7 +38,7 @@ class VertexCharts {
   Vec3 yAxis(Index v) const { return normal(v).cross(xAxis(v)); }
   const Points& normals() const { return normals_; }
 
-  /// Tangent vector <-> vector in space; toTangent drops the normal part.
+  /// Tangent vector <-> vector in space; toTangent drops the normal component.
   Vec3 toSpace(Index v, Complex a) const { return a.real() * xAxis(v) + a.imag() * yAxis(v); }
   Complex toTangent(Index v, const Vec3& a) const { return {a.dot(xAxis(v)), a.dot(yAxis(v))}; }
   /// Vector in the flat frame of a face -> vector in space, and back.

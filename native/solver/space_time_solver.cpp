@@ -146,7 +146,7 @@ class SpaceTimeSolver::Solve {
     const bool solved = std::exchange(state_.solved, false) && sameConstraints(rows);
     rightSide_ = residual_.rightSide(state_.rows, progress_);
     if (rightSide_ == 0.0) {
-      // Every value asked for is zero, and so is the field.
+      // All constraints are zero, and so is the field.
       state_.scale = 0.0;
       allocateField();
       std::fill(result_.field.values.begin(), result_.field.values.end(), Complex());
@@ -234,7 +234,7 @@ class SpaceTimeSolver::Solve {
     return true;
   }
 
-  /// A residual that is short enough says nothing of a solution that was not solved for.
+  /// A start that was not solved for needs a step even where its residual is small: its error is not known.
   void inSinglePrecision(Squares squares, bool solved) {
     const double unit = rightSide_ / state_.scale;
     double length = lengthOf(squares);

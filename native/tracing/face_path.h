@@ -78,7 +78,7 @@ void setParticle(lanes::ParticlesOf<Count>& particles, int i, const FaceFlow& fa
   particles.start[1][i] = entry.side == 0 ? 0.0 : (entry.side == 1 ? s : 1.0 - s);
 }
 
-/// Of a step that exit says is done.
+/// The result of a step whose exit is not kNotPlain or kTooLong.
 template <int Count>
 void getStep(const lanes::ParticlesOf<Count>& particles, int i, FaceStep& step) {
   const int exit = static_cast<int>(particles.exit[i]);

@@ -1,8 +1,8 @@
 // The surface laid out for tracing: every face in its own flat frame, ready to evaluate the continuous interpolation
 // (field/interpolation.h, thesis 2.5) of any field on the mesh and to step over its edges.
 //
-// It holds what depends on the mesh alone, one block per face, so that entering a face costs one look-up of three
-// vertex values. The field is split in two:
+// It holds what depends on the mesh alone, one block per face, so that entering a face reads three vertex
+// values only. The field is split in two:
 //     V(p) = sum_i b_i u_i + sum_i b_i u_i (exp(i twist_i psi_i) - 1),
 // the linear part in double precision, and the correction for curvature, which is as small as the twist, in single
 // precision with polynomials for the arc tangent and the exponential. The error stays below 1e-6 of twist times speed,
@@ -155,7 +155,7 @@ inline FlatFace::Rotation FlatFace::twistRotation(const Lanes& alongNext, const 
                                                   const Lanes& tanHalf, const Lanes& doubleTwist) {
   // Of the line in the frame of the bisector, both divided by the cosine of half the corner angle.
   const Lanes x = alongNext + alongPrevious, y = tanHalf * (alongPrevious - alongNext);
-  // Tangent of half the angle to the bisector; behind a corner, where only overshooting steps look, it is clamped.
+  // Tangent of half the angle to the bisector; behind a corner, where only overshooting steps evaluate, it is clamped.
   const Lanes t = (y / (x + squareRoot(x * x + y * y)).max(1e-30F)).max(-lanes::kMaxTangent).min(lanes::kMaxTangent);
   return lanes::smallRotation(Lanes(doubleTwist * lanes::arcTangent(t)));
 }

@@ -1,5 +1,5 @@
-// The two kinds of flow the integrator follows, with one interface: a cursor in time, the vectors of the face at hand,
-// and the velocity at a point of it. The sign of the direction and a constant speed factor are part of the flow.
+// The two kinds of flow the integrator follows, with one interface: a cursor in time, the vectors of the current
+// face, and the velocity at a point of it. The sign of the direction and a constant speed factor belong to the flow.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ class SteadyFlow {
   struct Cursor {};
   using Local = CarriedVectors;
 
-  /// prepared: what FaceFlow makes of each face and rate * values, for many traces; otherwise as the traces go.
+  /// prepared: the FaceFlow of each face and rate * values, computed before many traces; null: computed on entry.
   SteadyFlow(const Complex* values, double rate, const FaceFlow* prepared = nullptr)
       : values_(values), rate_(rate), prepared_(prepared) {}
 
@@ -60,7 +60,7 @@ class SteadyFlow {
   const FaceFlow* prepared_;
 };
 
-/// Times are physical seconds; a negative rate goes back in time.
+/// Times are physical seconds; a negative rate runs backward in time.
 class UnsteadyFlow {
  public:
   static constexpr bool kSteady = false;

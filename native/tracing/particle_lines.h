@@ -3,7 +3,7 @@
 // A streakline joins the particles released one after the other at one point; a timeline joins those released at one
 // time along a curve. Where neighbours come to lie farther apart than the spacing, particles between them join the
 // family: they are traced from their own release, not put on a chord, so that every point of a line is the end of
-// a true pathline, and a line does not depend on the times at which earlier ones were asked for. Where no particle
+// a true pathline, and a line does not depend on the times of earlier ones. Where no particle
 // between two neighbours fills the gap (they passed a saddle or a hole on different sides) the line is torn.
 //
 //   const UnsteadyField flow(faces, field, {.times = {0, 10}, .lambdas = {0, 1}});
@@ -31,7 +31,7 @@ struct ParticleLines {
   std::vector<std::size_t> offsets;
   std::vector<SurfacePoint> points;
   std::vector<double> ages;  ///< seconds since release
-  /// What tells particles of a line apart, increasing along it: the time of release (streaklines); the place along the
+  /// Identifies a particle of a line, increasing along it: the time of release (streaklines); the place along the
   /// given curve, k + f for the fraction f between its points k and k + 1 (timelines).
   std::vector<double> parameters;
   std::vector<char> torn;  ///< whether the line is torn between this particle and the next

@@ -12,11 +12,11 @@
 
 namespace stormfield {
 
-/// Traces what the work hands out, until it has no more. The ends of traces may make more of it. Asked of the work are
-///   bool next(int lane, SurfacePoint& seed, double& maxTime)   whether there is a trace for the lane
-///   bool step(int lane, const Integrator<Flow>& integrator)        after every step: whether to go on
-///   void end(int lane, const TraceEnd& end)
-/// Traces of one lane come one after the other.
+/// Traces the seeds of `work` until next() returns false for every lane; end() may add seeds. The work has
+///     bool next(int lane, SurfacePoint& seed, double& maxTime)    the lane's next trace; false: there is none now
+///     bool step(int lane, const Integrator<Flow>& integrator)     after every step; false ends the trace
+///     void end(int lane, const TraceEnd& end)
+/// A lane has one trace at a time.
 template <typename Flow, typename Work>
 void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
   struct Lane {
@@ -32,7 +32,7 @@ void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
     lane.busy = false;
     work.end(i, traceEnd);
   };
-  // Until its next step is set; false if nothing is left to do.
+  // Until its next step is set; false where the lane has no trace.
   const auto prepare = [&](Lane& lane, int i) {
     bool going = lane.busy, wanted = true;
     while (true) {
@@ -61,7 +61,7 @@ void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
     return true;
   };
 
-  // A lane with nothing to do asks again when another has gone a step, which may have made more.
+  // A lane without a trace asks again after each step of another one, which may have added seeds.
   std::array<int, FaceSteps::kCount> idle;
   std::iota(idle.begin(), idle.end(), 0);
   auto lastIdle = idle.end();
@@ -75,7 +75,7 @@ void traceSideBySide(const Integrator<Flow>& prototype, Work& work) {
   }
 }
 
-/// Traces the seeds first <= i < last. Tells the visitor begin(lane, i), step(lane, integrator) after every step, and
+/// Traces the seeds first <= i < last. Calls the visitor's begin(lane, i), step(lane, integrator) after every step, and
 /// end(lane, i, TraceEnd).
 template <typename Flow, typename Visitor>
 void traceSideBySide(const Integrator<Flow>& prototype, const std::vector<SurfacePoint>& seeds, double maxTime,

@@ -71,13 +71,14 @@ class Streamlines {
         tbb::simple_partitioner());
   }
 
-  /// One trace has nothing to go side by side with.
+  /// For a single seed, which has no others to run side by side with.
   TraceEnd traceAlone(std::size_t i) {
     return prototype_->run(seeds_[i], 0.0, options_.maxTime, [](const SurfacePoint&, double) {});
   }
 
  private:
-  /// Hands out seeds, and tells the keeper begin(lane, trace), step(lane, integrator) and end(lane, trace, TraceEnd).
+  /// Distributes the seeds, and calls the keeper's begin(lane, seed), step(lane, integrator), end(lane, trace,
+  /// TraceEnd).
   template <typename Keeper>
   struct Work {
     const Streamlines& lines;

@@ -1,4 +1,4 @@
-// What every tracer is asked and what it answers. A trace is the solution x(t) of dx/dt = V(x; t) through a seed
+// Options and results of all tracers. A trace is the solution x(t) of dx/dt = V(x; t) through a seed
 // (thesis 10.1.2): a streamline where V is steady, a pathline where it changes over time.
 #pragma once
 

@@ -1,7 +1,7 @@
 // Regular elements, streamlines and pathlines at one lambda (thesis 11.1.2, 11.1.3.3).
 //
-// A regular element asks for its arrow on a disc, carried along geodesics. A streamline asks for its own direction on a
-// strip. A pathline asks, on a disc around the particle's place P at lambda, for the particle's velocity: with
+// A regular element prescribes its arrow on a disc, carried along geodesics. A streamline prescribes its own direction
+// on a strip. A pathline prescribes, on a disc around the particle's place P at lambda, the particle's velocity: with
 // d lambda = s dt that is s dP/dlambda, whatever the element's strength.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Places at which the mesh resolves two singular elements and the saddle between them, near those that were asked for.
+// Places at which the mesh resolves two singular elements and the saddle between them, near the drawn ones.
 //
 // A piecewise field has a zero of index +1 or -1 only where the field rotates by less than pi along every edge, and no
 // two zeros share a face. Elements that are about to merge come closer than that. Up to the meeting point they are

@@ -9,7 +9,7 @@
 
 namespace stormfield {
 
-/// Core radius over radius: hard constraints act and contradictions are looked for inside the core.
+/// Core radius over radius: hard constraints act, and contradictions are refused, inside the core.
 inline constexpr double kCore = 1.0 / 3.0;
 
 /// Cover of the corners of the face that holds an element or curve: they are constrained even where the mesh does not
@@ -47,7 +47,7 @@ struct LambdaSpan {
   bool contains(double lambda) const;
 };
 
-/// What an element asks for at one vertex of one sample.
+/// The vector that an element prescribes at one vertex of one sample.
 struct Target {
   Index vertex = kNone;
   Complex value;        ///< in the chart of the vertex, mesh units per second

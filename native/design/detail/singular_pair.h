@@ -27,7 +27,7 @@ struct SingularPair {
   double closeness() const;
 };
 
-/// What the joint field asks for at one vertex.
+/// The joint field at one vertex.
 struct PairTarget {
   Index vertex = kNone;
   Complex value;

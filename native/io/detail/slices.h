@@ -18,7 +18,7 @@ namespace stormfield {
 template <typename Body>
 void inSlices(std::size_t count, std::size_t size, Progress* progress, const Body& body) {
   std::atomic<std::size_t> done{0};
-  // Another partitioner would hand out longer slices.
+  // Another partitioner would make longer slices.
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, size),
       [&](const tbb::blocked_range<std::size_t>& slice) {

@@ -16,8 +16,8 @@
 
 namespace stormfield {
 
-/// Rows of the finest level: solution and residual, and memory for two more, which krylovSolve asks for where there is
-/// too little, and leaves for others.
+/// Rows of the finest level: solution and residual, and memory for two more, which krylovSolve allocates where it is
+/// missing; others may use it between solves.
 struct KrylovVectors {
   FieldBuffer x, r;
   Pages work;

@@ -110,7 +110,7 @@ void FaceStepKernel<Bytes, Count, Curved>::run(Particles& particles, int firstPa
   const FloatPair jump = {lastBent_.x - bent_[kNodes - 1].x, lastBent_.y - bent_[kNodes - 1].y};
   const F stretch = stretch_ * lateness;
   error = error + lateness * (0.5F * lengthOf(jump) + stretch * stretch * kLateCubic * lengthOf(toFloatPair(v)));
-  // The terms that the rule misses are smaller by powers of those that can be seen.
+  // The terms that the rule misses are estimated by powers of the visible ones.
   const F path = toFloats(chord), inverseSpeed = step / path;
   const F second = absolute(excessQuadratic) * inverseSpeed,
           visible = absolute(excessCubic) * inverseSpeed + second * squareRoot(second);

@@ -7,7 +7,7 @@
 
 namespace stormfield::lanes {
 
-/// By how much the true field exceeds its affine part.
+/// The field less its affine part.
 template <int Bytes, int Count, bool Curved>
 template <typename Point>
 auto FaceStepKernel<Bytes, Count, Curved>::correction(const Point& p) const -> Point {

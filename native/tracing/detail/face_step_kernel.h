@@ -74,7 +74,7 @@ class FaceStepKernel {
   static constexpr float kGradientNear = 0.2F;
   /// Change of the correction at displaced points over duration * gradient * displacement, without unit.
   static constexpr float kSecondLook = 2.6F;
-  /// Rates of the last part of the way to the side: fraction of v * (stretch * lateness)^2, without unit.
+  /// Error of the quadratic end of the path: fraction of lateness * (stretch * lateness)^2 * |v|, without unit.
   static constexpr float kLateCubic = 0.2F;
   /// Error of the length per visible Legendre part of its excess, without unit.
   static constexpr float kLengthRule = 0.02F;

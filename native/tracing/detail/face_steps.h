@@ -7,7 +7,7 @@
 //   steps.set(0, flow, {}, p.barycentric, 1.0);
 //   FaceStep step;
 //   for (const int i : steps.advance()) {
-//     const bool done = steps.take(i, step) == FaceSteps::Outcome::Done;  // else it is asked again, or not plain
+//     const bool done = steps.take(i, step) == FaceSteps::Outcome::Done;  // else it waits again, or is not plain
 //   }
 //
 // tracing/side_by_side.h does that for whole traces.
@@ -21,7 +21,7 @@ namespace stormfield {
 
 class FaceSteps {
  public:
-  /// Particles at a time: among so many, eight always wait for the same kind of step.
+  /// Particles at a time: among 16, eight always wait for the same kind of step.
   static constexpr int kCount = 16;
 
   /// The limit of duration is each particle's own.

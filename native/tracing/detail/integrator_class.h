@@ -63,7 +63,7 @@ class Integrator {
     if (length_ >= options_.maxLength) return !stop(StopReason::Length);
     return false;
   }
-  /// Sets the next step through the face at hand; false where it cannot be in closed form.
+  /// Sets the next step through the current face; false where it has no closed form.
   bool ask(FaceSteps& steps, int i) {
     if (!mayStep()) return false;
     steps.set(i, faceFlow(), entry_, inside(), maxTime_ - elapsed_);
@@ -98,7 +98,7 @@ class Integrator {
     }
   }
   double elapsed() const { return elapsed_; }
-  /// After a step: the side of the face at hand that it came in over, if it ended there.
+  /// After a step: the side by which the current face was entered, if the step ended there.
   const SidePoint& entry() const { return entry_; }
   /// After a step: the vertex that it came upon and left, if any.
   Index leftVertex() const { return vertexStep_ == end_.steps ? vertex_ : kNone; }
@@ -180,7 +180,7 @@ class Integrator {
     }
     return faceFlow_;
   }
-  /// Carries the vectors of the face at hand into its frame; needed before its velocities.
+  /// Carries the vectors of the current face into its frame; needed before its velocities.
   void load() {
     if (loaded_) return;
     local_ = flow_.enter(*flat_, cursor_);

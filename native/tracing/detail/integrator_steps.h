@@ -127,7 +127,7 @@ bool Integrator<Flow>::integrate(double h, const Eigen::Vector3d& b, Complex k1,
     }
   }
   if (slide_ != kNoSide && flowsInward(slide_, step.point(fraction), elapsed_ + fraction * h)) {
-    // The flow turns inwards within the step: leave the boundary where it does.
+    // The flow starts to point inwards within the step: leave the boundary there.
     double outward = 0.0;
     for (int i = 0; i < 40; ++i) {
       const double middle = 0.5 * (outward + fraction);
