@@ -1,4 +1,7 @@
 // Progress and cancellation of long work, shared between a worker and the thread that watches it.
+//
+// Functions that also run unwatched take a Progress* with the default nullptr; those that always run as jobs (solves,
+// Morse sets, tracking) a reference.
 #pragma once
 
 #include <atomic>
