@@ -13,7 +13,7 @@
 #include "maps/detail/edge_image.h"
 #include "maps/error_bound.h"
 #include "maps/geometry_map.h"
-#include "maps/point_advector.h"
+#include "maps/prepared_flow.h"
 #include "maps/tau_map.h"
 
 namespace stormfield::test {
@@ -39,7 +39,7 @@ class Escapes final : public AdvectionQueue {
     return true;
   }
   void arrive(int lane, const AdvectedPoint& end) override {
-    count_ += !leadsTo(map_, from_[lane], end.left ? map_.outside() : end.point.face);
+    count_ += !leadsTo(map_, from_[lane], end.leftSurface ? map_.outside() : end.point.face);
   }
   int count() const { return count_; }
 
@@ -49,16 +49,16 @@ class Escapes final : public AdvectionQueue {
   int left_, count_ = 0;
   const std::vector<Index>& asked_;
   Random random_{11};
-  std::array<Index, kLanes> from_{};
+  std::array<Index, kMaxLanes> from_{};
 };
 
 /// How many of so many tries escape, traced finely.
 int escapes(const FlatFaces& faces, const VectorField& field, const CombinatorialMap& map, TauUnit unit, double tau,
             int tries, const std::vector<Index>& asked = {}) {
-  Escapes moves(map, tau, tries, asked);
+  Escapes escaping(map, tau, tries, asked);
   const PreparedFlow flow(faces, field, unit, 1e-8);
-  flow.advector(Direction::Forward, nullptr)->advectAll(moves);
-  return moves.count();
+  flow.advector(Direction::Forward, nullptr)->advectAll(escaping);
+  return escaping.count();
 }
 
 /// More with STORMFIELD_LONG_TESTS set to a factor: 5000 makes 10^7 of them on the gas engine.
@@ -168,9 +168,9 @@ TEST(TauMap, BridgesGapsOfEdgesThatNeedTooManySamples) {
   const auto images = [&](std::size_t maxSamples, std::size_t pieces) {
     std::vector<std::vector<Index>> made(edges.size());
     for (std::size_t first = 0; first < edges.size(); first += edges.size() / pieces) {
-      EdgeImageSampler maker(flow, tau, kSteps, nullptr, nullptr, maxSamples);
-      maker.make(std::span(edges).subspan(first, edges.size() / pieces),
-                 [&](std::size_t i, const EdgeImage& image) { made[first + i] = image.faces; });
+      EdgeImageSampler sampler(flow, tau, kSteps, nullptr, nullptr, maxSamples);
+      sampler.sample(std::span(edges).subspan(first, edges.size() / pieces),
+                     [&](std::size_t i, const EdgeImage& image) { made[first + i] = image.faces; });
     }
     return made;
   };
@@ -256,7 +256,7 @@ TEST(TauMap, EnclosesWhatPassesTheBoundaryWhereAllEdgesLeave) {
   const PreparedFlow flow(faces, field, TauUnit::Length, 1e-8);
   const SurfacePoint passing{4, {0.8777, 0.0992, 0.0231}};
   const AdvectedPoint end = flow.advector(Direction::Forward, nullptr)->advect(passing, tau);
-  ASSERT_FALSE(end.left);
+  ASSERT_FALSE(end.leftSurface);
   EXPECT_TRUE(leadsTo(map, passing.face, end.point.face));
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Length, tau, 2000, {2, 3, 4, 5}), 0);
 }
