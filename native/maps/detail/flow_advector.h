@@ -121,7 +121,7 @@ class FlowAdvector final : public PointAdvector {
     std::array<StretchedTrace, AdvectionQueue::kMaxLanes> states;
     std::array<bool, AdvectionQueue::kMaxLanes> continues;
 
-    bool next(int lane, SurfacePoint& seed, double& maximalTime) {
+    bool next(int lane, SurfacePoint& seed, double& maxTime) {
       StretchedTrace& state = states[lane];
       if (!continues[lane]) {
         AdvectedPoint from;
@@ -130,7 +130,7 @@ class FlowAdvector final : public PointAdvector {
         state = StretchedTrace(from, tau);
       }
       seed = state.from();
-      maximalTime = state.remainingTau();
+      maxTime = state.remainingTau();
       state.countStep([&] { return seed; });  // as Integrator::run visits the start
       return true;
     }
