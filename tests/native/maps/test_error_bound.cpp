@@ -28,7 +28,7 @@ VectorField swirl(int level) {
   return fromSpace(makeCharts(s), vectors);
 }
 
-/// The field with errors of the given part of epsilon * weight, in random directions.
+/// The field with errors of at most epsilon * weight, in random directions.
 VectorField disturbed(const VectorField& field, double epsilon, const std::vector<double>& weights, Random& random,
                       double least = 0.0) {
   VectorField result = field;
@@ -83,7 +83,7 @@ TEST(ErrorBoundedMap, HoldsTheMapOfEveryFieldWithinTheBound) {
       const auto weights = round % 2 == 0 ? std::vector<double>{} : randomWeights(charts->mesh().vertexCount(), random);
       const ErrorBoundedMap bounded = errorBoundedMap(field, weights);
       const CombinatorialMap map = mapWithinEpsilon(bounded, epsilon);
-      const std::vector<char> resting = fixedPointFacesWithinEpsilon(bounded, epsilon);
+      const std::vector<char> holds = fixedPointFacesWithinEpsilon(bounded, epsilon);
       // Errors of the full size as well: the bound itself is within the bound.
       const VectorField other = disturbed(field, epsilon, weights, random, round % 3 == 0 ? 1.0 : 0.0);
       const CombinatorialMap otherMap = geometryMap(other);
@@ -92,14 +92,15 @@ TEST(ErrorBoundedMap, HoldsTheMapOfEveryFieldWithinTheBound) {
           EXPECT_TRUE(leads(map, f, *t)) << s.name << ": " << f << " -> " << *t;
         }
       }
-      const std::vector<char> otherResting = fixedPointFaces(other);
-      for (std::size_t f = 0; f < resting.size(); ++f) EXPECT_GE(resting[f], otherResting[f]) << s.name;
+      const std::vector<char> otherHolds = fixedPointFaces(other);
+      for (std::size_t f = 0; f < holds.size(); ++f) EXPECT_GE(holds[f], otherHolds[f]) << s.name;
     }
   }
 }
 
 TEST(ErrorBoundedMap, EdgesComeAtTheLeastEpsilon) {
-  // Just below the epsilon of an edge no field crosses there: the vectors turned outwards as far as possible do not.
+  // Just below the epsilon of an edge no field crosses there, not even one whose vectors point outwards as far as they
+  // can.
   const VectorField field = randomField(makeCharts(bumpySphere(2)), 9);
   const ErrorBoundedMap bounded = errorBoundedMap(field, {});
   const TriangleMesh& mesh = field.mesh();
@@ -115,7 +116,7 @@ TEST(ErrorBoundedMap, EdgesComeAtTheLeastEpsilon) {
   }
 }
 
-TEST(ErrorBoundedMap, FlatFacesRestAtTheirLeastSpeed) {
+TEST(ErrorBoundedMap, FlatFacesCanHoldAFixedPointFromTheirLeastSpeed) {
   const VectorField field = randomField(makeCharts(grid(6, 0.3)), 2);
   const ErrorBoundedMap bounded = errorBoundedMap(field, {});
   Random random(1);

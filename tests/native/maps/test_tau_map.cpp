@@ -23,7 +23,8 @@ bool leadsTo(const CombinatorialMap& map, Index from, Index to) {
   return std::binary_search(map.graph.begin(from), map.graph.end(from), to);
 }
 
-/// Random points of random faces (of those asked for, or all), to be moved, that do not end in F of their face.
+/// Advects random points of random faces (of the chosen ones, or of all) and counts those whose image is not in F of
+/// their face.
 class Escapes final : public AdvectionQueue {
  public:
   Escapes(const CombinatorialMap& map, double tau, int tries, const std::vector<Index>& asked)
@@ -52,7 +53,7 @@ class Escapes final : public AdvectionQueue {
   std::array<Index, kMaxLanes> from_{};
 };
 
-/// How many of so many tries escape, traced finely.
+/// How many of `tries` points escape, by fine traces.
 int escapes(const FlatFaces& faces, const VectorField& field, const CombinatorialMap& map, TauUnit unit, double tau,
             int tries, const std::vector<Index>& asked = {}) {
   Escapes escaping(map, tau, tries, asked);
@@ -133,7 +134,7 @@ TEST(TauMap, EnclosesTheImagesOfTheGasEngine) {
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, tries(2000), asked), 0);
 }
 
-// Ends and middle of an edge come together, but between them it is drawn out by a saddle that they pass.
+// The images of the ends and the middle of an edge come together, but a saddle that they pass draws out what lies between.
 TEST(TauMap, SeesWhatLeavesBetweenSamplesThatComeTogether) {
   const auto charts = makeCharts(icosphere(2));
   const FlatFaces faces(charts);
@@ -145,7 +146,7 @@ TEST(TauMap, SeesWhatLeavesBetweenSamplesThatComeTogether) {
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, tries(500), {162, 163}), 0);
 }
 
-// Edges that need more samples than there may be are made again, alone, in the end.
+// Edges that need more samples than the limit are sampled again in the end, one at a time.
 TEST(TauMap, BridgesGapsOfEdgesThatNeedTooManySamples) {
   const auto charts = makeCharts(icosphere(2));
   const TriangleMesh& mesh = charts->mesh();
@@ -180,7 +181,7 @@ TEST(TauMap, BridgesGapsOfEdgesThatNeedTooManySamples) {
   for (const auto& image : bridged) EXPECT_FALSE(image.empty());
 }
 
-// Around a spiral the flow draws vectors out for half of each turn, while all comes together.
+// Around a spiral the flow lengthens vectors during half of each turn, while the image shrinks.
 TEST(TauMap, FollowsImagesIntoSpiralsWithFewTraces) {
   const auto charts = makeCharts(grid(12));
   Points vectors = charts->mesh().points();
