@@ -143,7 +143,7 @@ TEST(TransitMap, HoldsWhereFineTrajectoriesLeave) {
     for (int i = 0; i < (longTests() ? 20000 : 150); ++i) {
       const Index node = map.nodeOf(numbers.below(map.pieceCount()));
       const EdgePiece& piece = map.piece(node);
-      // Jumps in faces with a fixed point are found by bisection only; one in 80,000 trajectories misses there.
+      // Jumps in faces with a fixed point are found by bisection only (docs/performance.md).
       if (!piece.enters.isFace() || map.faceTransit().holdsFixedPoint(piece.enters.face())) continue;
       const Index f = piece.enters.face();
       const Index h = map.mesh().edgeHalfedge(piece.edge);
