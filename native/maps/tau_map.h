@@ -8,7 +8,7 @@
 // edge to outside(). The padding is an estimate, not a proof: tests look for points that F does not enclose.
 //
 //   const CombinatorialMap map = tauMap(faces, field, startingTau(field));
-//   const Components parts = stronglyConnectedComponents(map.graph);
+//   const Components components = stronglyConnectedComponents(map.graph);
 #pragma once
 
 #include <vector>

@@ -135,7 +135,7 @@ class RowAssembly {
     sortUnique(row);
   }
 
-  /// One array of all rows; takes the blocks apart on the way, so that both are not held whole.
+  /// One array of all rows. Releases the blocks as it copies them, so that memory does not hold all rows twice.
   TauRows joined(BlockLists& rows) {
     const std::size_t count = task_.faces.size();
     TauRows result;

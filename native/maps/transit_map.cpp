@@ -52,7 +52,7 @@ TransitMap::TransitMap(std::shared_ptr<const FlatFaces> faces, std::shared_ptr<c
   if (progress != nullptr) progress->check();
 }
 
-/// Each edge has one part or two, before and beyond the sign change, each of these the pieces between its jumps.
+/// Cuts each edge at its sign change and each of the two sides of it at its jumps.
 void TransitMap::addPiecesOfField(Progress* progress) {
   const auto edgeCount = static_cast<std::size_t>(mesh().edgeCount());
   const auto entered = [&](Index e, int sign) {
@@ -63,16 +63,16 @@ void TransitMap::addPiecesOfField(Progress* progress) {
   eachOf(edgeCount, progress, [&](std::size_t i) {
     const auto e = static_cast<Index>(i);
     const auto [sign, signChange, touchesInside, along] = transit_->edgeFlow(e);
-    EdgePiece part;
-    part.edge = e;
-    part.enters = entered(e, sign);
-    part.to = signChange;
-    cut(part, cuts[i][0]);
+    EdgePiece piece;
+    piece.edge = e;
+    piece.enters = entered(e, sign);
+    piece.to = signChange;
+    cut(piece, cuts[i][0]);
     if (signChange == 1.0) return;
-    part.enters = entered(e, -sign);
-    part.from = signChange;
-    part.to = 1.0;
-    cut(part, cuts[i][1]);
+    piece.enters = entered(e, -sign);
+    piece.from = signChange;
+    piece.to = 1.0;
+    cut(piece, cuts[i][1]);
   });
   pieces_.reserve(edgeCount + edgeCount / 2);
   tangentExits_.resize(edgeCount);
@@ -80,9 +80,9 @@ void TransitMap::addPiecesOfField(Progress* progress) {
     const auto e = static_cast<Index>(i);
     const auto [sign, signChange, touchesInside, along] = transit_->edgeFlow(e);
     double from = 0.0;
-    for (int part = 0; part < 2; ++part) {
-      for (const auto& [to, exitOfFrom, exitOfTo] : cuts[i][part]) {
-        pieces_.push_back({e, entered(e, part == 0 ? sign : -sign), 0, from, to, exitOfFrom, exitOfTo});
+    for (int half = 0; half < 2; ++half) {
+      for (const auto& [to, exitOfFrom, exitOfTo] : cuts[i][half]) {
+        pieces_.push_back({e, entered(e, half == 0 ? sign : -sign), 0, from, to, exitOfFrom, exitOfTo});
         from = to;
       }
     }

@@ -24,8 +24,8 @@ double gradientOfCorrection(const FlatFace& face, const std::array<Complex, 3>& 
   double largest = 0.0;
   for (int i = 0; i < 3; ++i) {
     const double half = std::atan(static_cast<double>(face.tanHalf(i)));
-    const double turn = std::min(0.5 * std::abs(static_cast<double>(face.doubleTwist(i))) * half, 3.0);
-    largest = std::max(largest, 2.0 * magnitude(vectors[i]) * std::sin(0.5 * turn));
+    const double rotation = std::min(0.5 * std::abs(static_cast<double>(face.doubleTwist(i))) * half, 3.0);
+    largest = std::max(largest, 2.0 * magnitude(vectors[i]) * std::sin(0.5 * rotation));
   }
   return 2.0 * largest / faceSize(face);
 }
@@ -52,7 +52,7 @@ DivergenceBound::DivergenceBound(const FlatFaces& faces, const VectorField& fiel
     for (const Complex& v : vectors) fastest = std::max(fastest, magnitude(v));
     own[f] = {growthRate[f] + gradientOfCorrection(face, vectors), off, 2.0 * fastest + off};
     if (unit != TauUnit::Length) continue;
-    // The error turns vectors of unit speed by its ratio to the speed, of which this takes a lower bound.
+    // The error rotates vectors of unit speed by its ratio to the speed, of which this takes a lower bound.
     const Complex mean = (vectors[0] + vectors[1] + vectors[2]) / 3.0;
     double least = magnitude(mean);
     for (const Complex& v : vectors) least = std::min(least, magnitude(mean) - magnitude(v - mean));

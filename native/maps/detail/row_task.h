@@ -63,7 +63,7 @@ struct RowTask {
     budget.take(vertices.bytes() + edges.bytes());
   }
 
-  /// Reports so many further vertices, half edges and rows as done.
+  /// Reports further items as done: a vertex and a row are one, an edge is two.
   void advance(std::size_t items) {
     if (progress == nullptr) return;
     progress->check();

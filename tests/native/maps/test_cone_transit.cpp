@@ -98,7 +98,7 @@ TEST(ConeTransit, ArcsHoldWhereTrajectoriesOfAllFieldsLeave) {
         if (cones.mayHoldFixedPoint(f)) continue;
         const double begin = numbers.uniform(0.0, 0.9), end = begin + 0.1 * numbers.uniform(0.0, 1.0);
         const ExitArcs arcs = cones.exitArcs(f, side, begin, end);
-        // The same error at all corners changes the field as far as it can be turned.
+        // The same error at all corners rotates the field as far as the bound allows.
         const Complex error = std::polar(epsilon, numbers.uniform(-kPi, kPi));
         std::array<Complex, 3> values;
         for (int k = 0; k < 3; ++k) {
@@ -280,7 +280,7 @@ TEST(TransitRefinementOfAllFields, BeyondAllSpeedsIsOneSet) {
 }
 
 /// Whether the sets of a noisy field lie each in a set of the bound, and these keep the index of what is in them. That
-/// of sets which rest at the surface's boundary is not kept: fixed points may leave over it.
+/// of sets with a fixed point at the surface's boundary is not kept: fixed points may leave over it.
 bool holds(const TransitDecomposition& noisy, const TransitDecomposition& bound) {
   std::vector<int> poincare(bound.morse.sets.size(), 0);
   for (std::size_t s = 0; s < noisy.morse.sets.size(); ++s) {
@@ -363,7 +363,7 @@ TEST(TransitRefinementOfAllFields, PersistenceIsWhereSetsMerge) {
   for (Index set = 0; set < found.nodes.count(); ++set) {
     ASSERT_TRUE(std::isfinite(persistence[set]));  // the surface is connected
     EXPECT_TRUE(isMerged(set, persistence[set]));
-    constexpr double kFirstStep = 1e-5;  // below, nothing is told apart
+    constexpr double kFirstStep = 1e-5;  // smaller steps are not searched
     EXPECT_TRUE(persistence[set] < kFirstStep || !isMerged(set, persistence[set] / kPersistenceStep));
   }
   progress.cancel();

@@ -156,7 +156,7 @@ TEST(MeanSpeed, IsAnAreaMean) {
 
 // The decomposition under noise ---------------------------------------------------------------------------------------
 
-/// Whether each set of the noisy field lies in one of the sets of the bound, and flow between them goes their way.
+/// Whether each set of the noisy field lies in one of the sets of the bound, and the edges between them are paths of the bound.
 void expectWithin(const MorseDecomposition& noisy, const MorseDecomposition& bound) {
   std::vector<Index> inside(noisy.sets.size());
   for (Index s = 0; s < noisy.faces.count(); ++s) {
@@ -218,10 +218,10 @@ std::vector<double> byTrying(const ErrorBoundedMap& bounded, const IndexSets& se
   levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   for (const double level : levels) {
     if (!(level > epsilon) || !std::isfinite(level)) continue;
-    const Components parts = stronglyConnectedComponents(mapWithinEpsilon(bounded, level).graph);
+    const Components components = stronglyConnectedComponents(mapWithinEpsilon(bounded, level).graph);
     for (Index a = 0; a < sets.count(); ++a) {
       for (Index b = 0; b < sets.count(); ++b) {
-        if (a == b || parts.of[sets.members(a)[0]] != parts.of[sets.members(b)[0]]) continue;
+        if (a == b || components.of[sets.members(a)[0]] != components.of[sets.members(b)[0]]) continue;
         result[a] = std::min(result[a], level);
       }
     }
@@ -251,10 +251,11 @@ TEST(Persistence, LevelsAreTheComponentsOfEveryEpsilon) {
   const MergeLevels levels = mergeLevels(bounded, progress);
   EXPECT_TRUE(std::is_sorted(levels.epsilon.begin(), levels.epsilon.end()));
   for (const double epsilon : {0.0, 0.01, 0.1, 0.3, 1.0, 10.0}) {
-    const auto parts = stronglyConnectedComponents(mapWithinEpsilon(bounded, epsilon).graph);
+    const auto components = stronglyConnectedComponents(mapWithinEpsilon(bounded, epsilon).graph);
     const auto joins = std::upper_bound(levels.epsilon.begin(), levels.epsilon.end(), epsilon) - levels.epsilon.begin();
-    EXPECT_EQ(parts.count(), bounded.map.graph.nodeCount() - joins);
-    for (std::ptrdiff_t i = 0; i < joins; ++i) EXPECT_EQ(parts.of[levels.first[i]], parts.of[levels.second[i]]);
+    EXPECT_EQ(components.count(), bounded.map.graph.nodeCount() - joins);
+    for (std::ptrdiff_t i = 0; i < joins; ++i)
+      EXPECT_EQ(components.of[levels.first[i]], components.of[levels.second[i]]);
   }
 }
 

@@ -156,16 +156,16 @@ TEST(GeometryMap, OfAFlowAlongEdgesHasNoCycles) {
 
 TEST(GeometryMap, OfAZeroFieldIsOneComponent) {
   const VectorField field = zeroField(makeCharts(icosphere(1)));
-  const Components parts = stronglyConnectedComponents(geometryMap(field).graph);
-  EXPECT_EQ(parts.count(), 2);  // and outside
+  const Components components = stronglyConnectedComponents(geometryMap(field).graph);
+  EXPECT_EQ(components.count(), 2);  // and outside
 }
 
 TEST(GeometryMap, JoinsTheFacesAroundAFixedPointAtAVertex) {
   for (const double sign : {1.0, -1.0}) {
     const VectorField field = spaceField(grid(4), [&](const Vec3& p) { return Vec3(sign * p); });
-    const Components parts = stronglyConnectedComponents(geometryMap(field).graph);
-    EXPECT_EQ(*std::max_element(parts.sizes.begin(), parts.sizes.end()), 6);
-    EXPECT_EQ(std::count(parts.recurrent.begin(), parts.recurrent.end(), 1), 1);
+    const Components components = stronglyConnectedComponents(geometryMap(field).graph);
+    EXPECT_EQ(*std::max_element(components.sizes.begin(), components.sizes.end()), 6);
+    EXPECT_EQ(std::count(components.recurrent.begin(), components.recurrent.end(), 1), 1);
   }
 }
 

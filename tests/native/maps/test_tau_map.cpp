@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, TauMapOnSurfaces, testing::ValuesIn(allSurfac
 
 TEST(TauMap, EnclosesTheImagesOfTheGasEngine) {
   const auto data = dataSet("gasEngineV.t");
-  if (!data) GTEST_SKIP() << "the data set gasEngineV.t is not at hand";
+  if (!data) GTEST_SKIP() << "the data set gasEngineV.t is not there";
   const VectorField field = fieldOn(*data);
   const FlatFaces faces(field.charts);
   const double tau = 3e-4;
@@ -262,17 +262,17 @@ TEST(TauMap, EnclosesWhatPassesTheBoundaryWhereAllEdgesLeave) {
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Length, tau, 2000, {2, 3, 4, 5}), 0);
 }
 
-/// A field within the error: along a vector in space, turning, or at random.
+/// A field within the error, whose error points along a vector in space, across the field, or at random.
 VectorField disturbed(const VectorField& field, double epsilon, int kind) {
   VectorField result = field;
   Random random(100 + kind);
   const Vec3 direction = random.vector();
   const VectorField along = fromSpace(field.charts, direction.transpose().replicate(field.mesh().vertexCount(), 1));
   for (std::size_t v = 0; v < field.values.size(); ++v) {
-    const Complex turn = kind % 3 == 0   ? along.values[v]
-                         : kind % 3 == 1 ? Complex(0.0, 1.0) * field.values[v]
-                                         : std::polar(1.0, random.uniform(0.0, 6.28));
-    if (std::abs(turn) > 0.0) result.values[v] += 0.999 * epsilon * turn / std::abs(turn);
+    const Complex error = kind % 3 == 0   ? along.values[v]
+                          : kind % 3 == 1 ? Complex(0.0, 1.0) * field.values[v]
+                                          : std::polar(1.0, random.uniform(0.0, 6.28));
+    if (std::abs(error) > 0.0) result.values[v] += 0.999 * epsilon * error / std::abs(error);
   }
   return result;
 }
@@ -443,13 +443,13 @@ TEST(TauMap, StopsWhenCancelled) {
   const auto charts = makeCharts(icosphere(4));
   const FlatFaces faces(charts);
   const VectorField field = smoothField(charts);
-  for (const double part : {0.0, 0.05, 0.3}) {
+  for (const double fraction : {0.0, 0.05, 0.3}) {
     Progress progress;
     std::thread watcher([&] {
-      while (progress.fraction() < part) std::this_thread::yield();
+      while (progress.fraction() < fraction) std::this_thread::yield();
       progress.cancel();
     });
-    EXPECT_THROW(tauMap(faces, field, 1.5, {}, &progress), Cancelled) << part;
+    EXPECT_THROW(tauMap(faces, field, 1.5, {}, &progress), Cancelled) << fraction;
     watcher.join();
   }
 }
