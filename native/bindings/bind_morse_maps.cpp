@@ -26,12 +26,12 @@ std::vector<double> inputTaus(const py::object& tau, Index faces) {
 }
 
 std::shared_ptr<MapJob> startTauMap(const FieldHandle& field, const py::object& tau, const std::string& unit,
-                                    const std::optional<double>& memory) {
+                                    const std::optional<double>& memoryLimit) {
   TauMapOptions options;
   options.unit = tauUnit(unit);
-  if (memory) {
-    if (!(*memory > 0.0)) throw InputError("the memory must be a positive number of MiB");
-    options.memoryLimit = static_cast<std::size_t>(*memory * 1048576.0);
+  if (memoryLimit) {
+    if (!(*memoryLimit > 0.0)) throw InputError("memory_limit must be a positive number of MiB");
+    options.memoryLimit = static_cast<std::size_t>(*memoryLimit * 1048576.0);
   }
   return std::make_shared<MapJob>([mesh = field.mesh, f = field.field, options,
                                    taus = inputTaus(tau, field.mesh->mesh().faceCount())](Progress& progress) {
@@ -63,7 +63,7 @@ void bind_morse_maps(py::module_& m) {
       .def("__repr__", [](const CombinatorialMap& map) {
         return message("<CombinatorialMap of ", map.outside(), " faces and ", map.graph.edgeCount(), " edges>");
       });
-  bindJob<MapJob>(m, "MapJob", "A combinatorial map under way.",
+  bindJob<MapJob>(m, "MapJob", "A combinatorial map that is being computed.",
                   [](const CombinatorialMap& map) { return std::make_shared<CombinatorialMap>(map); });
   m.def(
       "geometry_map",
@@ -74,18 +74,19 @@ void bind_morse_maps(py::module_& m) {
       py::arg("field"), "The map by directions across the edges (thesis 2.4.2) of a VectorField -> CombinatorialMap.");
   m.def(
       "start_tau_map", &startTauMap, py::arg("field"), py::arg("tau"), py::arg("unit") = "time",
-      py::arg("memory") = py::none(),
+      py::arg("memory_limit") = py::none(),
       "Start the map of moving faces along the flow for tau (thesis 7) -> MapJob, result a CombinatorialMap.\n"
       "tau: a number > 0, or (m,) float64 with one for every face, where 0 means its row of geometry_map. unit: time\n"
-      "(seconds) or length (spatial tau, mesh units). memory: MiB it may take (None: half of the machine's). Raises\n"
-      "InputError for a tau that is not positive, or names the largest one that fits into memory.");
+      "(seconds) or length (spatial tau, mesh units). memory_limit: MiB it may take (None: half of the machine's).\n"
+      "Raises InputError for a tau that is not positive, and for one that does not fit (it names the largest that "
+      "does).");
   m.def(
       "starting_tau",
       [](const FieldHandle& field, const std::string& unit, double edges) {
         return startingTau(field.field, tauUnit(unit), edges);
       },
       py::arg("field"), py::arg("unit") = "time", py::arg("edges") = 4.0,
-      "The time (or length) to cross so many edges at the mean speed. Raises InputError for a zero field.");
+      "The time (or length) to cross `edges` mean edges at the mean speed. Raises InputError for a zero field.");
 }
 
 }  // namespace stormfield::bindings

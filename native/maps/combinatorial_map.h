@@ -1,6 +1,14 @@
-// A combinatorial map F: a directed graph on the triangles that encloses the flow (thesis 2.4, 6.2, 6.3). Where a
-// trajectory leads from face a to face b, in one step of the map's kind, F has the edge a -> b.
+// A combinatorial map F: a directed graph on the faces that encloses the flow (thesis 2.4, 6.2, 6.3). Where a trajectory
+// leads from face a to face b, in one step of the map's kind, F has the edge a -> b. Kalies, Mischaikow and VanderVorst
+// 2005 ("An algorithmic approach to chain recurrence") call it a combinatorial multivalued map and, where it encloses a
+// map, an outer approximation of it.
+//
+//   const CombinatorialMap map = mapFromRows(std::vector<std::vector<Index>>{{0, 1}, {2}});
+//   const bool leaves = *map.graph.begin(1) == map.outside();
 #pragma once
+
+#include <cstddef>
+#include <vector>
 
 #include "maps/directed_graph.h"
 
@@ -14,7 +22,7 @@ struct CombinatorialMap {
   Index outside() const { return graph.nodeCount() - 1; }
 };
 
-/// The map of all faces' rows, each a range of targets that ascend.
+/// The map of the rows of all faces, each a range of targets that ascend.
 template <typename Row>
 CombinatorialMap mapFromRows(const std::vector<Row>& rows) {
   CombinatorialMap map;

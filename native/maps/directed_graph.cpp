@@ -12,7 +12,7 @@
 namespace stormfield {
 namespace {
 
-/// Depth-first search that keeps its path in memory of its own, so that long chains do not end the program's stack.
+/// Tarjan's search with an explicit path, because a recursive one would overflow the stack on long chains.
 class Tarjan {
  public:
   explicit Tarjan(const DirectedGraph& graph)
@@ -30,7 +30,7 @@ class Tarjan {
  private:
   struct Visit {
     Index node;
-    const Index* next;  ///< first target not yet looked at
+    const Index* next;  ///< first target that is not visited yet
   };
 
   void enter(Index node) {
@@ -58,7 +58,7 @@ class Tarjan {
     }
   }
 
-  /// What was entered since this node, and is still open, is one component.
+  /// The open nodes that were entered since the root make one component.
   void close(Index root) {
     const Index component = result_.count();
     Index size = 0, node = kNone;
@@ -99,7 +99,7 @@ std::vector<Index> topologicalOrder(const DirectedGraph& graph) {
 }
 
 constexpr Index kBlock = 512;
-/// The targets of one block, one bit each.
+/// A set of nodes of one block, one bit each.
 struct Bits {
   std::array<std::uint64_t, kBlock / 64> words{};
 
@@ -173,8 +173,8 @@ DirectedGraph condensation(const DirectedGraph& graph, const Components& compone
   return result;
 }
 
-/// An edge is redundant when another target of its node leads to its end. What can be reached is kept for one block of
-/// ends at a time: 64 bytes for each node, whatever the size of the graph, and blocks are independent of each other.
+/// An edge is redundant when another target of its node leads to its end. Reachability is computed for one block of ends
+/// at a time, in 64 bytes per node, and blocks do not depend on each other.
 DirectedGraph transitiveReduction(const DirectedGraph& graph) {
   const std::vector<Index> order = topologicalOrder(graph);
   const Index nodes = graph.nodeCount();

@@ -1,9 +1,13 @@
-// A directed graph in compressed rows, and what analyses ask of it: strongly connected components (Tarjan) and the
-// transitive reduction of an acyclic graph (thesis 2.4, 6.2).
+// A directed graph in compressed rows, its strongly connected components (Tarjan 1972, "Depth-first search and linear
+// graph algorithms"), its condensation, and the transitive reduction of an acyclic graph (Aho, Garey and Ullman 1972,
+// "The transitive reduction of a directed graph"; thesis 2.4, 6.2).
 //
-//   const DirectedGraph graph = ...;
-//   const Components parts = stronglyConnectedComponents(graph);
-//   const DirectedGraph order = transitiveReduction(condensation(graph, parts));
+// Components and condensation take time linear in the edges. The reduction takes nodes / 512 passes over the edges, in
+// parallel, with 64 bytes per node and thread. Results are the same for any number of threads.
+//
+//   const DirectedGraph graph{{0, 1, 2}, {1, 0}};
+//   const Components components = stronglyConnectedComponents(graph);
+//   const DirectedGraph order = transitiveReduction(condensation(graph, components));
 #pragma once
 
 #include <cstddef>
@@ -37,7 +41,7 @@ struct Components {
 
 Components stronglyConnectedComponents(const DirectedGraph& graph);
 
-/// The graph with every edge turned around.
+/// The graph with every edge reversed.
 DirectedGraph reversed(const DirectedGraph& graph);
 
 /// Per node whether it is in `start` or can be reached from there.

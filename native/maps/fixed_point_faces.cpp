@@ -14,7 +14,7 @@ std::vector<char> fixedPointFaces(const VectorField& field) {
   tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
     bool found = indices[f] != 0;
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-      // Both faces see the edge along the same halfedge, so that they agree.
+      // Along the same halfedge for both faces, so that round-off gives both the same answer.
       found = found || holdsFixedPointOnEdge(endVectors(field, mesh.edgeHalfedge(mesh.edge(h))));
     }
     holds[f] = found ? 1 : 0;

@@ -1,5 +1,6 @@
-// The faces that hold a fixed point of a field, as a combinatorial map sees them: each of them is a recurrent node of
-// F.
+// The faces that hold a fixed point of a field: each of them is a recurrent node of every combinatorial map.
+//
+//   const std::vector<char> holds = fixedPointFaces(field);
 #pragma once
 
 #include <vector>
@@ -8,8 +9,8 @@
 
 namespace stormfield {
 
-/// Per face 1 where it holds a fixed point, inside or on its boundary: the faces that geometryMap gives an edge to
-/// themselves, and both faces of an edge with opposed ends along it.
+/// Per face 1 where it holds a fixed point, inside or on its border, else 0: faces with a Poincare index, faces with a
+/// zero vector at a corner, and both faces of an edge along which the field changes its sign.
 std::vector<char> fixedPointFaces(const VectorField& field);
 
 }  // namespace stormfield

@@ -11,15 +11,17 @@
 namespace stormfield {
 namespace {
 
+/// Fraction of a vector below which its component across an edge is 0: some 50 units of double precision, of which a
+/// rotation loses a few.
 constexpr double kRoundOff = 1e-14;
 
-/// The vector with the edge along the x axis: its imaginary part points across, to the left.
-Complex seenAlong(Complex vector, double edgeAngle) {
-  const Complex turned = vector * std::polar(1.0, -edgeAngle);
-  return std::abs(turned.imag()) <= kRoundOff * std::abs(turned) ? Complex(turned.real(), 0.0) : turned;
+/// The vector in the frame whose x axis is the edge: its imaginary part points across, to the left.
+Complex inEdgeFrame(Complex vector, double edgeAngle) {
+  const Complex rotated = vector * std::polar(1.0, -edgeAngle);
+  return std::abs(rotated.imag()) <= kRoundOff * std::abs(rotated) ? Complex(rotated.real(), 0.0) : rotated;
 }
 
-EdgeDirections crossing(const VectorField& field, Index h) {
+EdgeDirections directionsAcross(const VectorField& field, Index h) {
   const EndVectors ends = endVectors(field, h);
   if (holdsFixedPointOnEdge(ends)) return {true, true};
   const auto [tail, head] = ends;
@@ -34,7 +36,7 @@ bool hasZeroCorner(const VectorField& field, Index f) {
 }
 
 /// A face leads to itself, to its three neighbours or outside: ascending, each once.
-struct Row {
+struct TargetRow {
   std::array<Index, 4> targets{};
   int count = 0;
 
@@ -50,12 +52,12 @@ struct Row {
   }
 };
 
-Row rowOf(const TriangleMesh& mesh, const std::vector<EdgeDirections>& crossings, Index f, bool restsInside) {
-  Row row;
-  if (restsInside) row.add(f);
+TargetRow rowOf(const TriangleMesh& mesh, const std::vector<EdgeDirections>& directions, Index f, bool holdsFixedPoint) {
+  TargetRow row;
+  if (holdsFixedPoint) row.add(f);
   for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-    const EdgeDirections& crossing = crossings[mesh.edge(h)];
-    const bool leaves = mesh.edgeHalfedge(mesh.edge(h)) == h ? crossing.outwards : crossing.inwards;
+    const EdgeDirections& across = directions[mesh.edge(h)];
+    const bool leaves = mesh.edgeHalfedge(mesh.edge(h)) == h ? across.outwards : across.inwards;
     const Index twin = mesh.twin(h);
     if (leaves) row.add(twin == kNone ? mesh.faceCount() : TriangleMesh::face(twin));
   }
@@ -66,8 +68,8 @@ Row rowOf(const TriangleMesh& mesh, const std::vector<EdgeDirections>& crossings
 
 EndVectors endVectors(const VectorField& field, Index h) {
   const VertexCharts& charts = *field.charts;
-  return {seenAlong(field.values[charts.mesh().tail(h)], charts.tailAngle(h)),
-          seenAlong(field.values[charts.mesh().head(h)], charts.headAngle(h))};
+  return {inEdgeFrame(field.values[charts.mesh().tail(h)], charts.tailAngle(h)),
+          inEdgeFrame(field.values[charts.mesh().head(h)], charts.headAngle(h))};
 }
 
 bool holdsFixedPointOnEdge(const EndVectors& ends) {
@@ -79,17 +81,17 @@ bool holdsFixedPointOnEdge(const EndVectors& ends) {
 std::vector<EdgeDirections> edgeDirections(const VectorField& field) {
   const TriangleMesh& mesh = field.mesh();
   std::vector<EdgeDirections> result(mesh.edgeCount());
-  tbb::parallel_for(Index{0}, mesh.edgeCount(), [&](Index e) { result[e] = crossing(field, mesh.edgeHalfedge(e)); });
+  tbb::parallel_for(Index{0}, mesh.edgeCount(), [&](Index e) { result[e] = directionsAcross(field, mesh.edgeHalfedge(e)); });
   return result;
 }
 
 CombinatorialMap geometryMap(const VectorField& field) {
   const TriangleMesh& mesh = field.mesh();
-  const std::vector<EdgeDirections> crossings = edgeDirections(field);
+  const std::vector<EdgeDirections> directions = edgeDirections(field);
   const std::vector<int> indices = poincareIndices(field);
-  std::vector<Row> rows(mesh.faceCount());
+  std::vector<TargetRow> rows(mesh.faceCount());
   tbb::parallel_for(Index{0}, mesh.faceCount(),
-                    [&](Index f) { rows[f] = rowOf(mesh, crossings, f, indices[f] != 0 || hasZeroCorner(field, f)); });
+                    [&](Index f) { rows[f] = rowOf(mesh, directions, f, indices[f] != 0 || hasZeroCorner(field, f)); });
   return mapFromRows(rows);
 }
 

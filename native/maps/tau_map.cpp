@@ -1,10 +1,10 @@
 #include "maps/tau_map.h"
 
-#include <unistd.h>
-
 #include <cmath>
 #include <map>
 
+#include "base/error.h"
+#include "base/memory_limit.h"
 #include "base/message.h"
 #include "maps/error_bound.h"
 #include "maps/geometry_map.h"
@@ -15,12 +15,8 @@ namespace {
 
 /// Faces whose rows are computed beforehand to estimate the size of F.
 constexpr Index kPilotFaces = 256;
-/// Bytes at the peak, measured: of the work around every face, and of every edge of F (twice for a moment).
+/// Bytes at the peak: measured for the work around a face; an edge of F is held twice while rows are joined.
 constexpr double kBytesPerFace = 120.0, kBytesPerEdge = 2.0 * sizeof(Index);
-
-std::size_t halfOfMemory() {
-  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE)) / 2;
-}
 
 const char* unitName(TauUnit unit) {
   return unit == TauUnit::Time ? " s" : " mesh units";
@@ -99,7 +95,7 @@ CombinatorialMap tauMap(const FlatFaces& faces, const VectorField& field, const 
   checkMemory(flow, groups.rbegin()->first, limit, progress);
 
   CombinatorialMap geometry;
-  std::vector<RowGroup> parts;
+  std::vector<RowGroup> rowGroups;
   std::size_t done = 0;
   for (auto& [tau, members] : groups) {
     const auto fraction = [&] { return static_cast<double>(done) / static_cast<double>(faceCount); };
@@ -108,9 +104,9 @@ CombinatorialMap tauMap(const FlatFaces& faces, const VectorField& field, const 
     if (progress != nullptr) progress->range(from, fraction());
     if (tau == 0.0) geometry = geometryMap(field);
     TauRows rows = tau > 0.0 ? tauRows(flow, members, tau, limit, progress, work) : geometryRows(geometry, members);
-    parts.push_back({std::move(members), std::move(rows)});
+    rowGroups.push_back({std::move(members), std::move(rows)});
   }
-  return mapFromRowGroups(faceCount, std::move(parts));
+  return mapFromRowGroups(faceCount, std::move(rowGroups));
 }
 
 double startingTau(const VectorField& field, TauUnit unit, double edges) {

@@ -1,68 +1,43 @@
-// The tau map (thesis 6.3, 7.1): the combinatorial map F of moving every point along the flow for a time tau, or for an
-// arc length (spatial tau, thesis 7.2). F(T) encloses the image { phi(tau, x) : x in T } of the closed face T with
-// padding that grows with what the flow may do between samples (edge_image.h). That is an estimate, not a proof; tests
-// look for points that end outside.
+// The tau map (thesis 6.3, 7.1; Chen et al. 2008, "Efficient Morse decompositions of vector fields"): the combinatorial
+// map F whose row F(T) is an outer approximation of the image phi(tau, T) of the closed face T, for a time tau or an
+// arc length (spatial tau, thesis 7.2). Outer approximations: Kalies, Mischaikow and VanderVorst 2005.
 //
-// The image of a face is bounded by the images of its edges, which are sampled until the curves between samples are
-// enclosed (edge_image.h); what lies inside is found by mapping vertices back (tau_rows.h). Flow that leaves through
-// the boundary is an edge to outside().
+// The boundary of phi(tau, T) lies in the images of the edges of T, which are sampled until padded chords between
+// samples enclose them (edge_image.h). Vertices mapped backwards into T fill its inside (tau_rows.h). Tangencies to the
+// boundary of the surface are followed on their own (boundary_tangencies.h). An image that leaves the surface has an
+// edge to outside(). The padding is an estimate, not a proof: tests look for points that F does not enclose.
 //
 //   const CombinatorialMap map = tauMap(faces, field, startingTau(field));
-//   const Components parts = stronglyConnectedComponents(map.graph);
+//   const Components components = stronglyConnectedComponents(map.graph);
 #pragma once
 
-#include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "base/progress.h"
 #include "field/vector_field.h"
 #include "maps/combinatorial_map.h"
+#include "maps/tau_options.h"
 #include "tracing/flat_faces.h"
 
 namespace stormfield {
 
-enum class TauUnit {
-  Time,    ///< seconds: phi is the flow of V
-  Length,  ///< mesh units: phi is the flow of V at unit speed, which has the same trajectories (unit_speed_flow.h)
-};
-
-/// What is not known of a field: each vector by up to epsilon * weight, mesh units per second.
-struct FieldError {
-  double epsilon = 0.0;
-  std::vector<double> weights{};  ///< one per vertex, not negative; empty: 1
-};
-
-struct TauMapOptions {
-  TauUnit unit = TauUnit::Time;
-  /// Largest estimated error of one step of a trace, in mean edge lengths.
-  double tolerance = 1e-5;
-  /// Bytes that F and the work on it may take; none: half of the memory of the machine.
-  std::optional<std::size_t> memoryLimit{};
-  /// F holds for all fields within the error (divergence_bound.h); on closed surfaces only.
-  FieldError error{};
-};
-
-/// What the work took.
-struct TauWork {
-  std::size_t traces = 0;
-  std::size_t peakBytes = 0;  ///< largest sum of the sizes of the arrays at a time
-};
-
-/// Rows depend on their own face's tau only, so that parts can be computed on their own (tau_refinement.h). The same
-/// bits for any number of threads; at most 64 bytes per edge of F at the peak. Throws InputError for a field of another
-/// mesh, for a tau that is not a positive number, and before the work begins when F would not fit into memory (the
-/// message names the largest tau that does); for an error that is not a number >= 0, is given with a boundary, or lets
-/// fields part too far to say anything; Cancelled.
+/// tau in the unit of the options. A row depends on the tau of its own face only, so that rows can be computed apart
+/// (tau_refinement.h). The same bits for any number of threads; at most 64 bytes per edge of F at the peak.
+/// Throws InputError
+///   - for a field of another mesh, and for values that are not finite;
+///   - for a tau that is not a positive number;
+///   - before the work begins, for a tau whose F does not fit into the memory limit (the message names one that fits);
+///   - for an error that is not a number >= 0, on a surface with a boundary, or that lets fields diverge too far;
+/// and Cancelled.
 CombinatorialMap tauMap(const FlatFaces& faces, const VectorField& field, double tau, const TauMapOptions& options = {},
                         Progress* progress = nullptr, TauWork* work = nullptr);
 
-/// With a tau for every face; where it is 0, the face has the edges of the geometry-based map (geometry_map.h).
+/// The same with one tau per face; where it is 0, the face has its row of the geometry-based map (geometry_map.h).
 CombinatorialMap tauMap(const FlatFaces& faces, const VectorField& field, const std::vector<double>& taus,
                         const TauMapOptions& options = {}, Progress* progress = nullptr, TauWork* work = nullptr);
 
-/// A tau to start with: the time (or length) to cross `edges` edges at the mean speed of the field. Throws InputError
-/// for a field that is zero everywhere and for a number of edges that is not positive.
+/// A tau to start with: the time (or length) to cross `edges` mean edges at the mean speed of the field. Throws
+/// InputError for a field that is zero everywhere and for a number of edges that is not positive.
 double startingTau(const VectorField& field, TauUnit unit = TauUnit::Time, double edges = 4.0);
 
 }  // namespace stormfield

@@ -1,30 +1,35 @@
-// The transit map: the geometry-based combinatorial map (thesis 2.4.2, 6.2) with pieces of edges for its nodes, which
-// remembers where flow enters a face.
+// The transit map: a combinatorial map whose nodes are pieces of edges, so that it remembers where flow enters a face.
+// It refines the geometry-based map (thesis 2.4.2, 6.2), in the way in which the transition graph of Szymczak and Zhang
+// 2012 ("Robust Morse decompositions of piecewise constant vector fields") does for fields that are constant on faces.
 //
 // Every edge is cut into pieces that flow crosses in one direction. A piece leads to the pieces over which what enters
-// through it leaves the next face; what stays in a face, or comes from within, leads to or from its node of rest. The
-// transit map of a face is monotone (face_transit.h), so that the image of a piece lies on the arc of the face's
-// boundary between those of its two ends. It is enclosed to a slack of round-off size, not padded by what may happen
-// between samples, and halving a piece halves its image: what tau maps reach with longer times is reached by crossing
-// one face at a time. Rows depend on their own pieces alone, so that any order of halving leads to the same map.
+// through it leaves the next face. A face with a fixed point has an interior node, which stands for its inside: what
+// stays in the face leads to it, and it leads to what comes from there. The transit map of a face is monotone
+// (face_transit.h), so that the image of a piece lies on the arc between those of its two ends. It is enclosed to a
+// slack of round-off size, not padded by an estimate of what happens between samples. Halving a piece halves its image:
+// what tau maps resolve by longer times, halving resolves by crossing one face at a time. A row depends on its own
+// piece alone, so that any order of halving leads to the same map.
 //
 // Faces with a fixed point on an edge or at a vertex are known by the directions across their edges only: whatever
-// enters leads to rest and to all exits. An edge that the flow runs along is one piece, a trajectory that is crossed by
-// none: what enters a face beside its first end leads to it, and it leads to what leaves its two faces beside its other
-// end.
+// enters leads to the interior node and to all exits. An edge that the flow runs along is one piece, a trajectory that
+// none crosses: what enters a face beside its first end leads to it, and it leads to what leaves its two faces beside
+// its other end.
 //
-// With an error bound epsilon > 0 the map holds for every field within it (cone_transit.h), and what is said above
-// about the field is said about all of these: pieces that some cross one way and some the other enter both faces, a
-// piece leads to whatever lies over its arcs of leaving, and faces that some field rests in are known by their exits
-// only. Rows grow with epsilon as long as the pieces stay what they are.
+// With an error bound epsilon > 0 the map holds for every field within it (cone_transit.h). A piece that some of these
+// fields cross one way and some the other enters both faces, a piece leads to whatever lies over its exit arcs, and a
+// face that may hold a fixed point is known by its exits only. Rows grow with epsilon as long as the pieces stay.
 //
-//   TransitMap map(faces, field);
-//   map.halve(pieces);
-//   const CombinatorialMap whole = map.map();       // faces' nodes of rest, pieces, outside
-//   const TransitMap bounded = map.withinEpsilon(cones);   // the same pieces, for all fields within cones->epsilon()
+//   const auto flatFaces = std::make_shared<const FlatFaces>(field.charts);
+//   const auto shared = std::make_shared<const VectorField>(field);
+//   TransitMap map(flatFaces, shared);
+//   map.halve({map.nodeOf(0), map.nodeOf(1)});
+//   const CombinatorialMap whole = map.map();  // interior nodes of the faces, pieces, outside
+//   const TransitMap bounded = map.withinEpsilon(std::make_shared<const ConeTransit>(flatFaces, shared, 0.1));
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -35,16 +40,35 @@
 
 namespace stormfield {
 
-/// Part of an edge, from one fraction of its canonical halfedge to another.
-struct EdgePiece {
-  static constexpr Index kOutside = -1, kBothFaces = -2, kAlong = -3;
+/// What flow enters over a piece of an edge: a face, or one of three cases without a single face. As large as an index.
+class EnteredRegion {
+ public:
+  /// Over the boundary of the surface.
+  constexpr EnteredRegion() = default;
+  constexpr explicit EnteredRegion(Index face) : code_(face) {}
+  static constexpr EnteredRegion outside() { return EnteredRegion(); }
+  /// Flow crosses the piece both ways.
+  static constexpr EnteredRegion bothFaces() { return EnteredRegion(kBothFaces); }
+  /// Flow runs along the edge, and crosses it nowhere.
+  static constexpr EnteredRegion none() { return EnteredRegion(kNoRegion); }
 
+  constexpr bool isFace() const { return code_ >= 0; }
+  constexpr Index face() const { return code_; }
+  constexpr bool operator==(const EnteredRegion&) const = default;
+
+ private:
+  static constexpr Index kOutside = -1, kBothFaces = -2, kNoRegion = -3;
+  Index code_ = kOutside;
+};
+
+/// A piece of an edge, from one fraction of its canonical halfedge to another.
+struct EdgePiece {
   Index edge = kNone;
-  Index enters = kOutside;  ///< face; kAlong: none, it runs along the edge
-  int level = 0;            ///< halvings
+  EnteredRegion enters;
+  int level = 0;  ///< halvings
   double from = 0.0, to = 1.0;
-  /// Where its ends leave the face that they enter (limits from within): FaceTransit's positions.
-  double imageFrom = FaceTransit::kRest, imageTo = FaceTransit::kRest;
+  /// Where the trajectories through its ends leave the face that they enter, as limits from inside the piece.
+  ExitPosition exitOfFrom, exitOfTo;
 };
 
 class TransitMap {
@@ -58,89 +82,100 @@ class TransitMap {
 
   const FaceTransit& faceTransit() const { return *transit_; }
   const TriangleMesh& mesh() const { return transit_->mesh(); }
-  /// Nodes: one of rest for each face, then the pieces, then outside.
+  /// Nodes: the interior node of each face, then the pieces, then outside.
   Index pieceCount() const { return static_cast<Index>(pieces_.size()); }
   Index nodeOf(Index piece) const { return mesh().faceCount() + piece; }
   bool isPiece(Index node) const { return node >= mesh().faceCount() && node < outside(); }
   const EdgePiece& piece(Index node) const { return pieces_[node - mesh().faceCount()]; }
   Index outside() const { return mesh().faceCount() + pieceCount(); }
 
-  /// Halves the pieces of some nodes. The first half keeps the piece's node, the second gets a new one at the end;
-  /// returns for each of these the place in `nodes` of the first. All or nothing; throws Cancelled.
+  /// Halves the pieces of some nodes. The first half keeps the piece's node, the second gets a new one at the end.
+  /// Returns for each new node the position in `nodes` of its first half. Throws Cancelled, which leaves the map as it
+  /// was.
   std::vector<std::size_t> halve(const std::vector<Index>& nodes, Progress* progress = nullptr);
 
   /// The nodes that a node leads to, ascending.
   void row(Index node, std::vector<Index>& targets) const;
   CombinatorialMap map(Progress* progress = nullptr) const;
-  /// Visits all nodes but outside: those of rest, then the pieces edge by edge, along each. What lies together comes
-  /// together, while the numbers of halves are far apart: work in this order finds in the cache what it needs.
+  /// Visits all nodes but outside: interior nodes, then the pieces edge by edge, along each. The numbers of two halves
+  /// are far apart; in this order, neighbours on the surface come together and work on them stays in the cache.
   template <typename Visit>
   void eachNode(const Visit& visit) const {
     for (Index f = 0; f < mesh().faceCount(); ++f) visit(f);
-    for (const Place& place : places_) visit(nodeOf(place.piece));
+    for (const PieceOnEdge& at : onEdges_) visit(nodeOf(at.piece));
   }
-  /// The edges among some nodes, by their places in the list.
+  /// The edges among some nodes, by their positions in the list.
   DirectedGraph graphAmong(const std::vector<Index>& nodes, Progress* progress) const;
-  /// Appends the faces that a node lies in, or that flow enters through it.
+  /// Appends the face of an interior node, or the faces that flow enters through a piece.
   void appendFaces(Index node, std::vector<Index>& faces) const;
-  /// Per face whether some field within the bound can rest in it.
+  /// Per face whether it can hold a fixed point of a field within the bound.
   const std::vector<char>& fixedPointFaces() const {
     return cones_ ? cones_->fixedPointFaces() : transit_->fixedPointFaces();
   }
-  /// Whether halving changes nothing: what enters faces that are known by their exits only, or leaves the surface.
+  /// Whether halving changes nothing: the node is no piece, or flow enters no face through it but such as are known by
+  /// their exits only.
   bool isSettled(Index node) const;
   std::size_t bytes() const { return sizeof(EdgePiece) * pieces_.capacity(); }
 
  private:
-  /// A face with a fixed point: the continuous parts of its arcs of entry, where what comes to rest enters, and where
-  /// what comes from there leaves (single positions at a saddle).
-  struct Rest {
-    std::vector<ContinuousArc> parts;
-    std::vector<BoundaryArc> in, out;
+  /// The interior node of a face with a fixed point inside: the continuous parts of the face's arcs of entry, the arcs
+  /// over which trajectories enter that stay, and those over which trajectories leave that come from the fixed point
+  /// (single positions at a saddle).
+  struct InteriorNode {
+    std::vector<ContinuousArc> entry;
+    std::vector<BoundaryArc> toFixedPoint, fromFixedPoint;
   };
+  /// The end of a piece, and the exits of the piece's two ends.
   struct Cut {
-    double to, imageFrom, imageTo;
+    double to;
+    ExitPosition exitOfFrom, exitOfTo;
   };
   using Cuts = std::vector<Cut>;
-  /// What a search along an edge asks of a piece, beside those of its neighbours: the pieces themselves are far apart.
-  struct Place {
+  /// What a search along an edge reads of a piece, kept together with its neighbours on the edge: the pieces themselves
+  /// are far apart.
+  struct PieceOnEdge {
     double to;
-    Index piece, enters;
+    Index piece;
+    EnteredRegion enters;
   };
 
-  Place placeOf(Index piece) const { return {pieces_[piece].to, piece, pieces_[piece].enters}; }
-  DirectedGraph graphByPlace(const std::vector<Index>& nodes, const std::vector<Index>& place,
-                             Progress* progress) const;
+  PieceOnEdge onEdge(Index piece) const { return {pieces_[piece].to, piece, pieces_[piece].enters}; }
+  DirectedGraph graphByPosition(const std::vector<Index>& nodes, const std::vector<Index>& position,
+                                Progress* progress) const;
   double positionIn(Index f, Index edge, double fraction) const;
+  EnteredRegion enteredBy(Index e, int sign) const;
+  void addPiecesOfField(Progress* progress);
+  void addPiecesOfAllFields();
+  void findInteriorNodes(Progress* progress);
+  static InteriorNode interiorNodeOf(const FaceTransit& transit, Index f);
   void cut(const EdgePiece& piece, Cuts& cuts) const;
-  void cutAtJumps(const EdgePiece& piece, const Rest& rest, Cuts& cuts) const;
-  void findRests(Progress* progress);
+  void cutAtJumps(const EdgePiece& piece, const InteriorNode& node, Cuts& cuts) const;
+
   template <typename Visit>
   void eachExit(Index f, const BoundaryArc& arc, const Visit& visit) const;
+  bool meetsAny(const std::vector<BoundaryArc>& arcs, Index f, const EdgePiece& piece) const;
+
+  void addInteriorRow(Index f, std::vector<Index>& targets) const;
+  void addPieceRow(const EdgePiece& piece, std::vector<Index>& targets) const;
+  void addTargetsInFace(Index f, const EdgePiece& piece, std::vector<Index>& targets) const;
   void addExits(Index f, const EdgePiece& piece, std::vector<Index>& targets) const;
-  double touched(Index f, double position) const;
-  std::pair<double, double> jumpBetween(Index f, double first, double last) const;
-  void enter(Index f, const EdgePiece& piece, std::vector<Index>& targets) const;
-  bool meets(const std::vector<BoundaryArc>& arcs, Index f, const EdgePiece& piece) const;
-  double endAlong(Index f, Index h, double end) const;
   void addEdgesAlong(Index f, const EdgePiece& piece, std::vector<Index>& targets) const;
+  double endOfFlowAlong(Index f, Index h, double end) const;
+  ExitPosition tangentExit(Index f, double position) const;
+  std::pair<double, double> jumpBetween(Index f, double first, double last) const;
 
-  static Rest restOf(const FaceTransit& transit, Index f);
-
-  Index enteredBy(Index e, int sign) const;
-  void cutForAll();
-  void rowForAll(Index node, std::vector<Index>& targets) const;
-  void enterForAll(Index f, Index node, std::vector<Index>& targets) const;
-  Index reached(Index node, const EdgePiece& piece) const;
+  void addRowForAllFields(Index node, std::vector<Index>& targets) const;
+  void addTargetsForAllFields(Index f, Index node, std::vector<Index>& targets) const;
+  Index nodeBeyond(Index node, const EdgePiece& piece) const;
 
   std::shared_ptr<const FaceTransit> transit_;
   std::shared_ptr<const ConeTransit> cones_;  ///< null without an error bound
   std::vector<EdgePiece> pieces_;
-  std::vector<Place> places_;            ///< pieces edge by edge, along each
-  std::vector<std::size_t> offsets_{0};  ///< of the edges, in places_
-  std::vector<double> touches_;  ///< of each edge: what the trajectory through its turn, which touches it, goes on to
-  std::vector<Index> restSlot_;  ///< of each face, in rests_, or kNone
-  std::vector<Rest> rests_;
+  std::vector<PieceOnEdge> onEdges_;        ///< edge by edge, along each
+  std::vector<std::size_t> offsets_{0};     ///< of the edges, in onEdges_
+  std::vector<ExitPosition> tangentExits_;  ///< of each edge, of the trajectory that touches it at its sign change
+  std::vector<Index> interiorSlot_;         ///< of each face, in interiorNodes_, or kNone
+  std::vector<InteriorNode> interiorNodes_;
 };
 
 }  // namespace stormfield

@@ -215,7 +215,7 @@ SetWindows MorseRefinement::windowsOf(Index set) const {
   const double tau = nextTau(trial);
   SetWindows windows;
   windows.memoryLimit = options_.map.memoryLimit.value_or(halfOfMemory());
-  windows.steps = advectionStepCount(*flow_, tau);
+  windows.steps = flow_->stepCount(tau);
   for (int level = 1; level < windows.steps; level *= 2) {
     SharedFaces faces;
     for (const Ancestor& ancestor : trial.ancestors) {

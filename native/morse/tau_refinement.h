@@ -32,7 +32,7 @@
 #include <optional>
 #include <vector>
 
-#include "maps/point_advector.h"
+#include "maps/prepared_flow.h"
 #include "maps/set_windows.h"
 #include "maps/tau_map.h"
 #include "morse/morse_decomposition.h"

@@ -7,7 +7,8 @@
 namespace stormfield {
 namespace {
 
-/// Trajectories are followed that pass so near to the boundary (barycentric), on its inner side.
+/// Barycentric distance from the boundary of the trajectory that stands for a tangent one, on its inner side: 1e-6 of a
+/// face is small beside the padding of images (edge_image.h) and large beside the round-off of a trace.
 constexpr double kInside = 1e-6;
 
 class TangencyTracer {
@@ -19,46 +20,52 @@ class TangencyTracer {
         forward_(flow.advector(Direction::Forward, progress)),
         backward_(flow.advector(Direction::Backward, progress)) {}
 
-  std::vector<std::pair<Index, Index>> run() {
+  std::vector<TangencyEdge> run() {
     for (Index h = 0; h < mesh_.halfedgeCount(); ++h) {
-      if (mesh_.twin(h) == kNone) touchAt(h);
+      if (mesh_.twin(h) != kNone) continue;
+      traceTangencyInside(h);
+      traceTangencyAtHead(h);
     }
-    std::sort(torn_.begin(), torn_.end());
-    torn_.erase(std::unique(torn_.begin(), torn_.end()), torn_.end());
-    return std::move(torn_);
+    std::sort(edges_.begin(), edges_.end());
+    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+    return std::move(edges_);
   }
 
  private:
-  /// On a boundary halfedge, or at its head.
-  void touchAt(Index h) {
+  /// Where the component across a boundary halfedge changes its sign between the ends.
+  void traceTangencyInside(Index h) {
     const auto [tail, head] = endVectors(flow_.field(), h);
-    const Index f = TriangleMesh::face(h);
+    if (!(tail.imag() * head.imag() < 0.0)) return;
     const int i = TriangleMesh::corner(h);
-    if (tail.imag() * head.imag() < 0.0) {
-      Eigen::Vector3d b = Eigen::Vector3d::Zero();
-      b[i] = head.imag() / (head.imag() - tail.imag());
-      b[(i + 1) % 3] = 1.0 - b[i];
-      follow({f, (1.0 - kInside) * b + kInside * Eigen::Vector3d::Unit((i + 2) % 3)});
-    }
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    b[i] = head.imag() / (head.imag() - tail.imag());
+    b[(i + 1) % 3] = 1.0 - b[i];
+    addEdges({TriangleMesh::face(h), (1.0 - kInside) * b + kInside * Eigen::Vector3d::Unit((i + 2) % 3)});
+  }
+
+  /// Where it does so between a boundary halfedge and the next one.
+  void traceTangencyAtHead(Index h) {
     const Index v = mesh_.head(h);
-    const EndVectors next = endVectors(flow_.field(), mesh_.outgoing(v));
-    if (head.imag() * next.tail.imag() > 0.0) return;
+    const double before = endVectors(flow_.field(), h).head.imag();
+    const double after = endVectors(flow_.field(), mesh_.outgoing(v)).tail.imag();
+    if (before * after > 0.0) return;
     for (Index out = mesh_.outgoing(v); out != kNone; out = mesh_.nextOutgoing(out)) {
       const Eigen::Vector3d corner = Eigen::Vector3d::Unit(TriangleMesh::corner(out));
-      follow({TriangleMesh::face(out), (1.0 - kInside) * corner + Eigen::Vector3d::Constant(kInside / 3.0)});
+      addEdges({TriangleMesh::face(out), (1.0 - kInside) * corner + Eigen::Vector3d::Constant(kInside / 3.0)});
     }
   }
 
-  /// What comes to the point after t is tau - t farther in the end.
-  void follow(const SurfacePoint& touching) {
-    const std::vector<TrajectoryPoint> before = backward_->trajectory(touching, tau_),
-                                       after = forward_->trajectory(touching, tau_);
+  /// Adds, for each face that the trajectory through the point passes before it, the faces where it is tau later: a
+  /// stay from tau - latest to tau - earliest before the point leads to one from earliest to latest after it.
+  void addEdges(const SurfacePoint& tangency) {
+    const std::vector<TrajectoryPoint> before = backward_->trajectory(tangency, tau_);
+    const std::vector<TrajectoryPoint> after = forward_->trajectory(tangency, tau_);
     for (std::size_t i = 0; i < before.size(); ++i) {
       const double earliest = tau_ - (i + 1 < before.size() ? before[i + 1].tau : before[i].tau);
       const double latest = tau_ - before[i].tau;
       for (std::size_t k = 0; k < after.size() && after[k].tau <= latest; ++k) {
         const double until = k + 1 < after.size() ? after[k + 1].tau : after[k].tau;
-        if (until >= earliest) torn_.emplace_back(before[i].point.face, after[k].point.face);
+        if (until >= earliest) edges_.push_back({before[i].point.face, after[k].point.face});
       }
     }
   }
@@ -67,13 +74,12 @@ class TangencyTracer {
   const TriangleMesh& mesh_;
   double tau_;
   std::unique_ptr<PointAdvector> forward_, backward_;
-  std::vector<std::pair<Index, Index>> torn_;
+  std::vector<TangencyEdge> edges_;
 };
 
 }  // namespace
 
-std::vector<std::pair<Index, Index>> boundaryTangencyEdges(const PreparedFlow& flow, double tau,
-                                                           const Progress* progress) {
+std::vector<TangencyEdge> boundaryTangencyEdges(const PreparedFlow& flow, double tau, const Progress* progress) {
   return TangencyTracer(flow, tau, progress).run();
 }
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/message.h"
 #include "maps/detail/unfolding.h"
 #include "tracing/dense_step.h"
@@ -11,48 +12,31 @@
 namespace stormfield {
 namespace {
 
-/// Points may part by 2^kDoublings rings of neighbours, each taken for half as wide as the face is long.
+/// The bound refuses distances above 2^kDoublings rings of neighbours: an image as wide as 128 faces says nothing. A
+/// ring counts as half as wide as the face's longest side, which holds where neighbours are of similar size.
 constexpr int kDoublings = 6;
 
-/// How much the correction for curvature may add to the gradient, seen at the size of the face.
-double twisting(const FlatFace& face, const std::array<Complex, 3>& vectors) {
+/// Margin of 5 % on the error of unit vectors: the lower bound on the speed leaves out the correction for curvature.
+constexpr double kUnitErrorMargin = 1.05;
+
+/// Estimate of what the correction for curvature adds to the gradient: its largest vector, over half the face size.
+double gradientOfCorrection(const FlatFace& face, const std::array<Complex, 3>& vectors) {
   double largest = 0.0;
   for (int i = 0; i < 3; ++i) {
     const double half = std::atan(static_cast<double>(face.tanHalf(i)));
-    const double turn = std::min(0.5 * std::abs(static_cast<double>(face.doubleTwist(i))) * half, 3.0);
-    largest = std::max(largest, 2.0 * magnitude(vectors[i]) * std::sin(0.5 * turn));
+    const double rotation = std::min(0.5 * std::abs(static_cast<double>(face.doubleTwist(i))) * half, 3.0);
+    largest = std::max(largest, 2.0 * magnitude(vectors[i]) * std::sin(0.5 * rotation));
   }
   return 2.0 * largest / faceSize(face);
 }
 
 }  // namespace
 
-void checkError(const TriangleMesh& mesh, const FieldError& error) {
-  if (!(error.epsilon >= 0.0) || !std::isfinite(error.epsilon)) {
-    throw InputError(message("the error bound eps is ", error.epsilon, "; give a number >= 0"));
-  }
-  if (error.epsilon == 0.0) return;
-  if (!error.weights.empty() && error.weights.size() != static_cast<std::size_t>(mesh.vertexCount())) {
-    throw InputError(message("the error bound has ", error.weights.size(), " weights, but the mesh has ",
-                             mesh.vertexCount(), " vertices; give one weight per vertex"));
-  }
-  for (std::size_t v = 0; v < error.weights.size(); ++v) {
-    if (error.weights[v] >= 0.0 && std::isfinite(error.weights[v])) continue;
-    throw InputError(
-        message("the weight of the error at vertex ", v, " is ", error.weights[v], "; give a number >= 0"));
-  }
-  for (Index h = 0; h < mesh.halfedgeCount(); ++h) {
-    if (mesh.twin(h) != kNone) continue;
-    throw InputError(message("an error bound of maps of the flow needs a closed surface, but edge ", mesh.edge(h),
-                             " is on a boundary; choose the method 'geometry' or set eps to 0"));
-  }
-}
-
 DivergenceBound::DivergenceBound(const FlatFaces& faces, const VectorField& field, TauUnit unit,
-                                 const std::vector<double>& growth, const std::vector<double>& slowSpeeds,
+                                 const std::vector<double>& growthRate, const std::vector<double>& slowSpeeds,
                                  const FieldError& error)
     : faces_(&faces), epsilon_(error.epsilon) {
-  std::vector<Rates> own(growth.size());
+  std::vector<Rates> own(growthRate.size());
   for (Index f = 0; f < faces.mesh().faceCount(); ++f) {
     const FlatFace& face = faces[f];
     std::array<Complex, 3> vectors;
@@ -66,27 +50,28 @@ DivergenceBound::DivergenceBound(const FlatFaces& faces, const VectorField& fiel
     const double off = error.epsilon * weight;
     double fastest = 0.0;
     for (const Complex& v : vectors) fastest = std::max(fastest, magnitude(v));
-    own[f] = {growth[f] + twisting(face, vectors), off, 2.0 * fastest + off};
+    own[f] = {growthRate[f] + gradientOfCorrection(face, vectors), off, 2.0 * fastest + off};
     if (unit != TauUnit::Length) continue;
-    // At unit speed vectors turn by the error over the speed, of which a lower bound is taken.
+    // The error rotates vectors of unit speed by its ratio to the speed, of which this takes a lower bound.
     const Complex mean = (vectors[0] + vectors[1] + vectors[2]) / 3.0;
     double least = magnitude(mean);
     for (const Complex& v : vectors) least = std::min(least, magnitude(mean) - magnitude(v - mean));
     const double speed = std::hypot(std::max(0.0, least - off), std::max(slow, 1e-300));
-    own[f] = {growth[f] + twisting(face, vectors) / speed, 1.05 * off / speed, 2.0};
+    own[f] = {growthRate[f] + gradientOfCorrection(face, vectors) / speed, kUnitErrorMargin * off / speed, 2.0};
   }
-  within_.push_back(around(own));
+  rings_.push_back(withNeighbours(own));
   for (int i = 0; i < kDoublings; ++i) {
-    within_.push_back(within_.back());
-    for (int ring = 0; ring < 1 << i; ++ring) within_.back() = around(within_.back());
+    rings_.push_back(rings_.back());
+    for (int ring = 0; ring < 1 << i; ++ring) rings_.back() = withNeighbours(rings_.back());
   }
 }
 
-std::vector<DivergenceBound::Rates> DivergenceBound::around(const std::vector<Rates>& rates) const {
+/// Per face the largest rates of the faces that share a corner with it, and of the face itself.
+std::vector<DivergenceBound::Rates> DivergenceBound::withNeighbours(const std::vector<Rates>& rates) const {
   const TriangleMesh& mesh = faces_->mesh();
   const Rates least{-std::numeric_limits<double>::infinity(), 0.0, 0.0};
   const auto take = [](Rates& to, const Rates& from) {
-    to = {std::max(to.growth, from.growth), std::max(to.error, from.error), std::max(to.fastest, from.fastest)};
+    to = {std::max(to.growth, from.growth), std::max(to.error, from.error), std::max(to.speed, from.speed)};
   };
   std::vector<Rates> atVertices(mesh.vertexCount(), least), result(rates.size(), least);
   for (Index f = 0; f < mesh.faceCount(); ++f) {
@@ -101,14 +86,15 @@ std::vector<DivergenceBound::Rates> DivergenceBound::around(const std::vector<Ra
 double DivergenceBound::after(double distance, Index face, double duration) const {
   const double rings = 2.0 * distance / (*faces_)[face].longestSide();
   if (!(rings < 1 << kDoublings)) {
-    throw InputError(message("fields within eps = ", epsilon_, " part by more than ", 1 << kDoublings,
+    throw InputError(message("fields within eps = ", epsilon_, " separate by more than ", 1 << kDoublings,
                              " faces at face ", face, "; choose a smaller eps or a smaller tau"));
   }
   const auto level = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(rings)));
-  const auto [growth, error, fastest] = within_[level][face];
-  const double grown = growth * duration;
-  const double fed = std::abs(grown) > 1e-8 ? std::expm1(grown) / growth : duration;
-  return std::min(std::exp(grown) * distance + error * fed, distance + fastest * duration);
+  const auto [growth, error, speed] = rings_[level][face];
+  const double exponent = growth * duration;
+  // The integral of exp(growth t) over the duration.
+  const double integral = std::abs(exponent) > 1e-8 ? std::expm1(exponent) / growth : duration;
+  return std::min(std::exp(exponent) * distance + error * integral, distance + speed * duration);
 }
 
 }  // namespace stormfield

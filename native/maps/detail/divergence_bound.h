@@ -1,42 +1,44 @@
-// How far the trajectories of two fields part whose vectors differ by at most an error: the distance d of two points
-// that start together grows by
-//     d' <= growth d + error,
-// growth being the largest rate at which the flow draws a vector out near them (the symmetric part of the gradient),
-// error the bound on the difference of the fields there (Gronwall's inequality along the segment between the points,
-// along which the field is continuous), and never faster than the two can move. A face's growth is that of its linear
-// part and of the correction for curvature as seen at the size of the face: an estimate, as that of edge images is, and
-// rigorous where the surface is flat.
+// A bound on the distance d between the trajectories of two fields whose vectors differ by at most an error, from
+// Gronwall's inequality (Gronwall 1919): two points that start together separate by
+//     d' <= growth d + error.
+// growth is the largest rate at which the flow lengthens a vector near them (its logarithmic norm: the largest
+// eigenvalue of the gradient's symmetric part), error the bound on the difference of the two fields there. The
+// inequality holds along the segment between the points, on which the field is continuous. d also never grows faster
+// than the two points move.
+//
+// The growth of a face is that of its linear part plus that of the correction for curvature, taken at the size of the
+// face. The latter is an estimate, so that the bound is rigorous where the surface is flat and estimated elsewhere.
 #pragma once
 
 #include <vector>
 
-#include "maps/tau_map.h"
+#include "field/vector_field.h"
+#include "maps/tau_options.h"
+#include "tracing/flat_faces.h"
 
 namespace stormfield {
 
-/// Throws InputError for an epsilon or weights that are not numbers >= 0, for a wrong number of weights, and for an
-/// epsilon > 0 on a surface with a boundary (what leaves in one field may pass in another).
-void checkError(const TriangleMesh& mesh, const FieldError& error);
-
 class DivergenceBound {
  public:
-  /// growth: per face, of the linear part, per unit of tau. slowSpeeds: per vertex, for TauUnit::Length.
-  DivergenceBound(const FlatFaces& faces, const VectorField& field, TauUnit unit, const std::vector<double>& growth,
+  /// faces must outlive it. growthRate: per face, of the linear part, per unit of tau. slowSpeeds: per vertex, for
+  /// TauUnit::Length. error: one that checkFieldError accepts.
+  DivergenceBound(const FlatFaces& faces, const VectorField& field, TauUnit unit, const std::vector<double>& growthRate,
                   const std::vector<double>& slowSpeeds, const FieldError& error);
 
-  /// The distance after a while in a face. Throws InputError where it is beyond all that can be told.
+  /// Bound on the distance after `duration` (in the unit of tau) in a face, from one before. Throws InputError where
+  /// the one before exceeds the largest ring of neighbours.
   double after(double distance, Index face, double duration) const;
 
  private:
+  /// Upper bounds in a face or in a ring of faces.
   struct Rates {
-    double growth, error, fastest;
+    double growth, error, speed;  ///< speed: at which the distance of two points can grow
   };
-  /// The largest of each face and of those around its corners.
-  std::vector<Rates> around(const std::vector<Rates>& rates) const;
+  std::vector<Rates> withNeighbours(const std::vector<Rates>& rates) const;
 
   const FlatFaces* faces_;
   double epsilon_;
-  std::vector<std::vector<Rates>> within_;  ///< 1, 2, 4 ... rings of neighbours, per face
+  std::vector<std::vector<Rates>> rings_;  ///< per face, over 1, 2, 4 ... rings of neighbours
 };
 
 }  // namespace stormfield

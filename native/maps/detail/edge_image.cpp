@@ -1,7 +1,5 @@
 #include "maps/detail/edge_image.h"
 
-#include "tracing/dense_step.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,22 +7,27 @@
 namespace stormfield {
 namespace {
 
-/// Halvings of an edge at most, and where both ends leave the surface: 2^-28 of an edge is what traces resolve.
-constexpr int kDeepest = 28, kDeepestOutside = 6;
-/// How far an image may leave its chords, in face sizes, and how long these may be.
-constexpr double kFlat = 0.25, kFlatOnTheWay = 0.4, kLongest = 1.5;
-/// Of what an interval may leave its chords by, this part is left for its halves; where nothing can be seen, of chords.
-constexpr double kLeft = 0.3, kUnseen = 0.1;
-/// By how much a step bends chords, as a part of the gradient's turn; less in one face, where the field is all but
-/// linear. And the most by which one step is taken to draw them out (its logarithm).
-constexpr double kFed = 0.025, kFedInFace = 0.1, kMostGrowth = 3.0;
-/// Chords shorter than this part of a face show what lies between their ends, but for this part of their length. In
-/// Morse sets, where images are followed for long, all of them are taken to.
-constexpr double kShort = 0.25, kShown = 0.25;
-/// Padding around chords: this part of how far images may leave them, and of chord and face size at least.
-constexpr double kPadding = 1.0, kChordPadding = 0.01, kLeastPadding = 2e-3;
-/// Of the largest radius of some samples: inside the faces, it may be larger.
-constexpr double kReach = 1.25;
+/// Halvings of an edge at most: 2^-28 of an edge is what traces resolve. Where both ends and the middle have left the
+/// surface, 2^-6: what may pass between them is found at the tangency (boundary_tangencies.h).
+constexpr int kMaxLevel = 28, kMaxLevelOutside = 6;
+
+// The factors below are as large (limits) or as small (padding) as the tests of tau maps allow: they look for points
+// that leave their image.
+
+/// Largest deviation of an image from its chords, in face sizes: after the last step, and after those before it, whose
+/// faces do not enter F.
+constexpr double kMaxDeviation = 0.25, kMaxDeviationBefore = 0.4;
+/// Longest chord, in face sizes: longer ones leave the ring of neighbours that can be unfolded.
+constexpr double kMaxChord = 1.5;
+/// Fraction of an interval's deviation that its halves start with. Halving a smooth curve leaves 1/4; the rest is
+/// margin.
+constexpr double kInheritedDeviation = 0.3;
+/// Deviation where images became comparable only after halving, in chord lengths: that of an arc of 45 degrees.
+constexpr double kDefaultDeviation = 0.1;
+/// Padding around chords: this fraction of the deviation, plus these of the longest chord and of the face size.
+constexpr double kDeviationPadding = 1.0, kChordPadding = 0.01, kFacePadding = 2e-3;
+/// Factor on the largest radius of the samples (divergence_bound.h): between samples the radius may be larger.
+constexpr double kRadiusFactor = 1.25;
 
 }  // namespace
 
@@ -39,308 +42,294 @@ EdgeImageSampler::EdgeImageSampler(const PreparedFlow& flow, double tau, int ste
       backward_(flow.advector(Direction::Backward, progress)),
       near_(flow.faces()) {}
 
-void EdgeImageSampler::make(std::span<const EdgeToSample> edges, const Keep& keep) {
+void EdgeImageSampler::sample(std::span<const EdgeToSample> edges, const OnImage& onImage) {
   edges_ = edges;
-  keep_ = &keep;
+  onImage_ = &onImage;
   started_ = 0;
-  alone_ = false;
+  isAlone_ = false;
   forward_->advectAll(*this);
-  // Which of too many samples an image goes without depends on their order: these edges do not share the lanes.
-  alone_ = true;
+  // Which samples an image with too many of them goes without depends on the order in which they arrive: these edges
+  // are sampled again, one at a time.
+  isAlone_ = true;
   std::sort(crowded_.begin(), crowded_.end());
   for (const std::size_t number : crowded_) {
-    start(number);
+    startEdge(number);
     forward_->advectAll(*this);
   }
   crowded_.clear();
 }
 
-/// The moves that are asked for, and when there are none, those of another edge.
+// The queue of advections --------------------------------------------------------------------------------------------
+
 bool EdgeImageSampler::next(int lane, AdvectedPoint& from, double& tau) {
-  while (moves_.empty() && started_ < edges_.size()) start(started_++);
-  if (moves_.empty()) return false;
-  const Move& move = moving_[lane] = moves_.back();
-  moves_.pop_back();
-  const Edge& edge = slots_[move.edge];
-  const Sample& sample = edge.samples[move.sample];
-  from = sample.place == kNowhere ? AdvectedPoint{.point = pointAt(edge, sample.s)} : edge.places[sample.place].at;
-  tau = tau_ * move.steps / steps_;
+  while (queue_.empty() && started_ < edges_.size()) startEdge(started_++);
+  if (queue_.empty()) return false;
+  const Advection& advection = inLane_[lane] = queue_.back();
+  queue_.pop_back();
+  const Edge& edge = slots_[advection.slot];
+  const Sample& sample = edge.samples[advection.sample];
+  from = sample.image == kNone ? AdvectedPoint{.point = pointAt(edge, sample.fraction)} : edge.images[sample.image].at;
+  tau = tau_ * advection.steps / steps_;
   return true;
 }
 
-void EdgeImageSampler::arrive(int lane, const AdvectedPoint& at) {
-  const auto [slot, sample, steps] = moving_[lane];
-  addPlace(slots_[slot], sample, at, steps);
-  slots_[slot].samples[sample].underWay = false;
-  for (const int interval : std::exchange(slots_[slot].samples[sample].waiting, {kNowhere, kNowhere})) {
-    if (interval != kNowhere) proceed(slot, interval);
+void EdgeImageSampler::arrive(int lane, const AdvectedPoint& image) {
+  const auto [slot, sample, steps] = inLane_[lane];
+  addImage(slots_[slot], sample, image, steps);
+  slots_[slot].samples[sample].isQueued = false;
+  for (const int interval : std::exchange(slots_[slot].samples[sample].waiting, {kNone, kNone})) {
+    if (interval != kNone) advanceInterval(slot, interval);
   }
-  if (slots_[slot].open == 0) finish(slot);
+  if (slots_[slot].openIntervals == 0) finishEdge(slot);
 }
 
-void EdgeImageSampler::start(std::size_t number) {
-  if (free_.empty()) {
-    free_.push_back(slots_.size());
+// Edges and their samples --------------------------------------------------------------------------------------------
+
+void EdgeImageSampler::startEdge(std::size_t number) {
+  if (freeSlots_.empty()) {
+    freeSlots_.push_back(slots_.size());
     slots_.emplace_back();
   }
-  const std::size_t slot = free_.back();
-  free_.pop_back();
+  const std::size_t slot = freeSlots_.back();
+  freeSlots_.pop_back();
   Edge& edge = slots_[slot];
   edge.number = number;
   edge.halfedge = flow_->mesh().edgeHalfedge(edges_[number].edge);
   edge.image.faces.clear();
-  edge.image.leaves = edge.crowded = false;
+  edge.image.leavesSurface = edge.isCrowded = false;
   edge.samples.clear();
-  edge.places.clear();
+  edge.images.clear();
   edge.intervals.clear();
-  const int tail = addKnown(edge, 0.0, edges_[number].tail), head = addKnown(edge, 1.0, edges_[number].head);
-  open(slot, {0, tail}, {1, head}, 1, 0, 0.0);
+  const int tail = addKnownSample(edge, 0.0, edges_[number].tail);
+  const int head = addKnownSample(edge, 1.0, edges_[number].head);
+  addInterval(slot, {0, tail}, {1, head}, 1, 0, 0.0);
 }
 
-void EdgeImageSampler::finish(std::size_t slot) {
+void EdgeImageSampler::finishEdge(std::size_t slot) {
   Edge& edge = slots_[slot];
-  free_.push_back(slot);
-  if (edge.crowded) {
+  freeSlots_.push_back(slot);
+  if (edge.isCrowded) {
     crowded_.push_back(edge.number);
     return;
   }
   std::vector<Index>& faces = edge.image.faces;
   std::sort(faces.begin(), faces.end());
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-  (*keep_)(edge.number, edge.image);
+  (*onImage_)(edge.number, edge.image);
 }
 
-/// A sample that needs no tracing for the first steps; its place after the first one.
-int EdgeImageSampler::addKnown(Edge& edge, double s, std::span<const AdvectedPoint> arrivals) {
-  const int sample = static_cast<int>(edge.samples.size()), first = static_cast<int>(edge.places.size());
-  edge.samples.push_back({s});
-  for (const AdvectedPoint& at : arrivals) addPlace(edge, sample, at, 1);
-  edge.image.leaves |= arrivals.front().left;
+/// Adds a sample whose first images are known; returns the number of its first image.
+int EdgeImageSampler::addKnownSample(Edge& edge, double fraction, std::span<const AdvectedPoint> images) {
+  const int sample = static_cast<int>(edge.samples.size()), first = static_cast<int>(edge.images.size());
+  edge.samples.push_back({fraction});
+  for (const AdvectedPoint& at : images) addImage(edge, sample, at, 1);
+  edge.image.leavesSurface |= images.front().leftSurface;
   return first;
 }
 
-void EdgeImageSampler::addPlace(Edge& edge, int sample, const AdvectedPoint& at, int steps) {
-  const int place = static_cast<int>(edge.places.size());
+void EdgeImageSampler::addImage(Edge& edge, int sample, const AdvectedPoint& at, int steps) {
+  const int image = static_cast<int>(edge.images.size());
   Sample& of = edge.samples[sample];
-  if (of.place != kNowhere) edge.places[of.place].next = place;
-  of.place = place;
+  if (of.image != kNone) edge.images[of.image].next = image;
+  of.image = image;
   of.step += steps;
-  edge.places.push_back({at});
+  edge.images.push_back({at});
 }
 
-/// The interval between two samples, from a step on.
-void EdgeImageSampler::open(std::size_t slot, Stop a, Stop b, int step, int level, double away) {
+SurfacePoint EdgeImageSampler::pointAt(const Edge& edge, double fraction) const {
+  SurfacePoint p{TriangleMesh::face(edge.halfedge)};
+  const int i = TriangleMesh::corner(edge.halfedge);
+  p.barycentric[i] = 1.0 - fraction;
+  p.barycentric[(i + 1) % 3] = fraction;
+  return p;
+}
+
+// Intervals ----------------------------------------------------------------------------------------------------------
+
+/// Adds the interval between two samples, to be followed from a step on.
+void EdgeImageSampler::addInterval(std::size_t slot, Node a, Node b, int step, int level,
+                                   std::optional<double> deviation) {
   Edge& edge = slots_[slot];
   const int middle = static_cast<int>(edge.samples.size()), interval = static_cast<int>(edge.intervals.size());
-  edge.samples.push_back({0.5 * (edge.samples[a.sample].s + edge.samples[b.sample].s)});
+  edge.samples.push_back({0.5 * (edge.samples[a.sample].fraction + edge.samples[b.sample].fraction)});
   const double half = 0.5 * flow_->mesh().edgeLength(edges_[edge.number].edge);
-  edge.intervals.push_back({{a, {middle, kNowhere}, b}, {false, true, false}, step, level, away, {half, half}});
-  ++edge.open;
+  edge.intervals.push_back({{a, {middle, kNone}, b}, {false, true, false}, step, level, deviation, {half, half}});
+  ++edge.openIntervals;
   ++traces_;
-  gather(slot, interval);
+  fetchImages(slot, interval);
 }
 
-/// Follows the image of an interval until it is enclosed at the end or out of sight, is halved, or has to wait.
-void EdgeImageSampler::proceed(std::size_t slot, int number) {
+/// Follows the image of an interval until it is enclosed after the last step or outside the windows, is halved, or has
+/// to wait for an image.
+void EdgeImageSampler::advanceInterval(std::size_t slot, int number) {
   Edge& edge = slots_[slot];
-  while (edge.crowded ? !waits(edge, number) : gather(slot, number)) {
+  while (edge.isCrowded ? !isWaiting(edge, number) : fetchImages(slot, number)) {
     Interval& interval = edge.intervals[number];
-    const Verdict verdict = edge.crowded ? Verdict::Done : judge(edge, interval);
-    if (verdict == Verdict::Goes) {
+    const Verdict verdict = edge.isCrowded ? Verdict::Done : judge(edge, interval);
+    if (verdict == Verdict::NextStep) {
       ++interval.step;
-      interval.behind.fill(true);
+      interval.isBehind.fill(true);
       continue;
     }
     if (verdict == Verdict::Halve) halve(slot, Interval(interval));
-    --edge.open;
+    --edge.openIntervals;
     return;
   }
 }
 
-bool EdgeImageSampler::waits(const Edge& edge, int number) const {
-  return std::any_of(edge.intervals[number].stops.begin(), edge.intervals[number].stops.end(), [&](const Stop& stop) {
-    const auto& [one, other] = edge.samples[stop.sample].waiting;
+bool EdgeImageSampler::isWaiting(const Edge& edge, int number) const {
+  const auto& nodes = edge.intervals[number].nodes;
+  return std::any_of(nodes.begin(), nodes.end(), [&](const Node& node) {
+    const auto& [one, other] = edge.samples[node.sample].waiting;
     return one == number || other == number;
   });
 }
 
-/// Brings the stops to the interval's step; false where it has to wait for one.
-bool EdgeImageSampler::gather(std::size_t slot, int number) {
+/// Brings the nodes to the interval's step; queues the samples that are not there yet. False: the interval has to wait.
+bool EdgeImageSampler::fetchImages(std::size_t slot, int number) {
   Edge& edge = slots_[slot];
   Interval& interval = edge.intervals[number];
   bool all = true;
   for (int i = 0; i < 3; ++i) {
-    if (!interval.behind[i]) continue;
-    auto& [index, place] = interval.stops[i];
+    if (!interval.isBehind[i]) continue;
+    auto& [index, image] = interval.nodes[i];
     Sample& sample = edge.samples[index];
-    if (place != kNowhere && edge.places[place].next == kNowhere && edge.places[place].at.left) {
-      addPlace(edge, index, AdvectedPoint(edge.places[place].at), 1);
+    if (image != kNone && edge.images[image].next == kNone && edge.images[image].at.leftSurface) {
+      addImage(edge, index, AdvectedPoint(edge.images[image].at), 1);
     }
-    const int next = place == kNowhere ? sample.place : edge.places[place].next;
-    if (next != kNowhere) {
-      place = next;
-      interval.behind[i] = false;
-      edge.image.leaves |= edge.places[next].at.left;
+    const int next = image == kNone ? sample.image : edge.images[image].next;
+    if (next != kNone) {
+      image = next;
+      interval.isBehind[i] = false;
+      edge.image.leavesSurface |= edge.images[next].at.leftSurface;
       continue;
     }
     all = false;
-    if (!sample.underWay) moves_.push_back({slot, index, interval.step - sample.step});
-    sample.underWay = true;
+    if (!sample.isQueued) queue_.push_back({slot, index, interval.step - sample.step});
+    sample.isQueued = true;
     auto& [one, other] = sample.waiting;
-    if (one != number && other != number) (one == kNowhere ? one : other) = number;
+    if (one != number && other != number) (one == kNone ? one : other) = number;
   }
   return all;
 }
 
 void EdgeImageSampler::halve(std::size_t slot, const Interval& interval) {
   Edge& edge = slots_[slot];
-  const auto& [a, middle, b] = interval.stops;
-  const bool full = edge.samples.size() >= maxSamples_;
-  if (full && !alone_) {
-    edge.crowded = true;
-  } else if (full || interval.level == kDeepest) {
+  const auto& [a, middle, b] = interval.nodes;
+  const bool isFull = edge.samples.size() >= maxSamples_;
+  if (isFull && !isAlone_) {
+    edge.isCrowded = true;
+  } else if (isFull || interval.level == kMaxLevel) {
     bridge(edge, a, middle, interval.step);
     bridge(edge, middle, b, interval.step);
   } else {
-    open(slot, a, middle, interval.step, interval.level + 1, kLeft * interval.away);
-    open(slot, middle, b, interval.step, interval.level + 1, kLeft * interval.away);
+    std::optional<double> deviation = interval.deviation;
+    if (deviation) *deviation *= kInheritedDeviation;
+    addInterval(slot, a, middle, interval.step, interval.level + 1, deviation);
+    addInterval(slot, middle, b, interval.step, interval.level + 1, deviation);
   }
 }
 
-SurfacePoint EdgeImageSampler::pointAt(const Edge& edge, double s) const {
-  SurfacePoint p{TriangleMesh::face(edge.halfedge)};
-  const int i = TriangleMesh::corner(edge.halfedge);
-  p.barycentric[i] = 1.0 - s;
-  p.barycentric[(i + 1) % 3] = s;
-  return p;
-}
-
-/// Whether the image of an interval is enclosed at its step.
+/// Whether the image of an interval is enclosed at its step; collects its faces where they count.
 EdgeImageSampler::Verdict EdgeImageSampler::judge(Edge& edge, Interval& interval) {
-  const auto at = [&](int i) -> const AdvectedPoint& { return edge.places[interval.stops[i].place].at; };
+  const auto at = [&](int i) -> const AdvectedPoint& { return edge.images[interval.nodes[i].image].at; };
   const AdvectedPoint &a = at(0), &middle = at(1), &b = at(2);
-  double& away = interval.away;
-  if (a.left && middle.left && b.left && interval.level >= kDeepestOutside) return Verdict::Done;
-  const Shape shape = shapeOf(a, middle, b);
-  if (!shape.comparable()) {
-    away = -1.0;
+  if (a.leftSurface && middle.leftSurface && b.leftSurface && interval.level >= kMaxLevelOutside) return Verdict::Done;
+  const ChordShape shape = chordShape(flow_->faces(), a.point, middle.point, b.point);
+  if (!shape.isComparable()) {
+    interval.deviation.reset();
     return Verdict::Halve;
   }
-  if (away < 0.0) away = kUnseen * shape.longest;
-  if (!interval.first || interval.level == 0) away = grown(interval, a, middle, b, shape);
-  interval.first = false;
-  interval.chords = shape.chords;
-  away = std::max(away, shape.apart + shape.spread);
-  const bool last = interval.step == steps_;
-  const double flat = last ? kFlat : kFlatOnTheWay;
-  if (away > flat * shape.size || shape.longest > kLongest * shape.size) return Verdict::Halve;
-  if (!last && windows_ == nullptr) return Verdict::Goes;
-  const double radius = kReach * std::max({a.radius, middle.radius, b.radius});
-  collect(a, middle, b, shape, kPadding * away + kChordPadding * shape.longest + kLeastPadding * shape.size + radius);
-  if (!staysInSight(interval.step)) return Verdict::Done;
-  if (!last) return Verdict::Goes;
-  keep(edge);
+  updateDeviation(interval, {&a, &middle, &b}, shape);
+  const double deviation = *interval.deviation;
+  const bool isLast = interval.step == steps_;
+  const double maxDeviation = isLast ? kMaxDeviation : kMaxDeviationBefore;
+  if (deviation > maxDeviation * shape.faceSize || shape.longestChord > kMaxChord * shape.faceSize) {
+    return Verdict::Halve;
+  }
+  if (!isLast && windows_ == nullptr) return Verdict::NextStep;
+  const double radius = kRadiusFactor * std::max({a.radius, middle.radius, b.radius});
+  collectFaces(
+      a, middle, b, shape,
+      kDeviationPadding * deviation + kChordPadding * shape.longestChord + kFacePadding * shape.faceSize + radius);
+  if (!isInWindow(interval.step)) return Verdict::Done;
+  if (!isLast) return Verdict::NextStep;
+  keepFaces(edge);
   return Verdict::Done;
 }
 
-/// How far an image that was so far from its chords may be after the next step. The flow draws it apart by no more than
-/// it draws any vector out. And as it keeps the area between a chord and what is off it but for the divergence, it does
-/// so by no more than that over how much longer the chord has become; this is known where chords are short enough to
-/// show it. Chords bend where they are in more than one face.
-double EdgeImageSampler::grown(const Interval& interval, const AdvectedPoint& a, const AdvectedPoint& middle,
-                               const AdvectedPoint& b, const Shape& shape) const {
-  const Index f = middle.point.face, left = a.point.face, right = b.point.face;
-  const double step = tau_ / steps_;
-  const double growth = std::max({flow_->growth(f), flow_->growth(left), flow_->growth(right)});
-  const double spreading = std::max({flow_->divergence(f), flow_->divergence(left), flow_->divergence(right)});
-  const double bending = std::max({flow_->bending(f), flow_->bending(left), flow_->bending(right)});
-  const double shorter = std::max(interval.chords[0] / shape.chords[0], interval.chords[1] / shape.chords[1]);
-  const bool inOneFace = f == left && f == right;
-  const double fed = kFed * (inOneFace ? kFedInFace : 1.0) * std::min(bending * step, 1.0) * shape.longest;
-  const double drawn = std::exp(std::min(growth * step, kMostGrowth)) * interval.away + fed;
-  if (windows_ != nullptr) return std::min(drawn, kShown * shape.longest);
-  if (std::max(interval.chords[0], interval.chords[1]) > kShort * shape.size) return drawn;
-  const double spread = std::exp(std::min(spreading * step, kMostGrowth)) * shorter * interval.away + fed;
-  return std::min(drawn, std::max(spread, kShown * shape.longest));
-}
-
-EdgeImageSampler::Shape EdgeImageSampler::shapeOf(const AdvectedPoint& a, const AdvectedPoint& middle,
-                                                  const AdvectedPoint& b) const {
-  const FlatFaces& faces = flow_->faces();
-  const SurfacePoint &pointA = a.point, &point = middle.point, &pointB = b.point;
-  Shape shape{{faces, point.face, pointA.face}, {faces, point.face, pointB.face}};
-  if (!shape.comparable()) return shape;
-  shape.at = faces[point.face].point(point.barycentric);
-  shape.inA = faces[pointA.face].point(pointA.barycentric);
-  shape.inB = faces[pointB.face].point(pointB.barycentric);
-  shape.apart = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < shape.toA.count(); ++i) {
-    for (int j = 0; j < shape.toB.count(); ++j) {
-      shape.apart =
-          std::min(shape.apart, magnitude(shape.at - 0.5 * (shape.toA[i](shape.inA) + shape.toB[j](shape.inB))));
-    }
+/// Carries the deviation over the step that led to the shape. A half starts with what it inherited at its first step,
+/// which its parent has judged already.
+void EdgeImageSampler::updateDeviation(Interval& interval, const std::array<const AdvectedPoint*, 3>& at,
+                                       const ChordShape& shape) const {
+  double deviation = interval.deviation.value_or(kDefaultDeviation * shape.longestChord);
+  if (!interval.isFirstStep || interval.level == 0) {
+    deviation = deviationAfterStep(
+        *flow_, tau_ / steps_, windows_ != nullptr ? DeviationModel::InWindow : DeviationModel::Careful,
+        {deviation, interval.chords}, {at[0]->point.face, at[1]->point.face, at[2]->point.face}, shape);
   }
-  shape.chords = {magnitude(shape.at - shape.toA[0](shape.inA)), magnitude(shape.at - shape.toB[0](shape.inB))};
-  shape.longest = std::max(shape.chords[0], shape.chords[1]);
-  shape.spread = std::max(shape.toA.spread(shape.at, shape.inA), shape.toB.spread(shape.at, shape.inB));
-  shape.size = faceSize(faces[point.face]);
-  return shape;
+  interval.isFirstStep = false;
+  interval.chords = shape.chords;
+  interval.deviation = std::max(deviation, shape.deviation + shape.spread);
 }
 
-/// Collects the faces near the chords from the middle to the two ends. What has left the surface counts where it left.
-void EdgeImageSampler::collect(const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b,
-                               const Shape& shape, double padding) {
-  met_.clear();
-  meetsExit_ = false;
-  const auto onBoundary = [&](Index h) { meetsExit_ |= flow_->flowsOut(h); };
-  const auto chords = [&](const AdvectedPoint& end, const Unfoldings& ways, Complex inEnd) {
-    if (end.left && middle.left) return;
-    met_.push_back(end.point.face);
-    for (int i = 0; i < ways.count(); ++i) {
-      near_.collect(middle.point.face, shape.at, ways[i](inEnd), padding, met_, onBoundary);
+/// Finds the faces near the chords from the middle to the two ends. What has left the surface counts where it left.
+void EdgeImageSampler::collectFaces(const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b,
+                                    const ChordShape& shape, double padding) {
+  found_.clear();
+  foundExit_ = false;
+  const auto onBoundary = [&](Index h) { foundExit_ |= flow_->flowsOut(h); };
+  const auto addChords = [&](const AdvectedPoint& end, const Unfoldings& unfoldings, Complex inEnd) {
+    if (end.leftSurface && middle.leftSurface) return;
+    found_.push_back(end.point.face);
+    for (int i = 0; i < unfoldings.count(); ++i) {
+      near_.collect(middle.point.face, shape.middle, unfoldings[i](inEnd), padding, found_, onBoundary);
     }
   };
-  chords(a, shape.toA, shape.inA);
-  chords(b, shape.toB, shape.inB);
+  addChords(a, shape.toA, shape.inA);
+  addChords(b, shape.toB, shape.inB);
 }
 
-void EdgeImageSampler::keep(Edge& edge) {
-  edge.image.leaves |= meetsExit_;
-  edge.image.faces.insert(edge.image.faces.end(), met_.begin(), met_.end());
+void EdgeImageSampler::keepFaces(Edge& edge) const {
+  edge.image.leavesSurface |= foundExit_;
+  edge.image.faces.insert(edge.image.faces.end(), found_.begin(), found_.end());
 }
 
-bool EdgeImageSampler::staysInSight(int step) const {
+bool EdgeImageSampler::isInWindow(int step) const {
   if (windows_ == nullptr) return true;
-  return std::any_of(met_.begin(), met_.end(), [&](Index f) { return windows_->holds(step, f); });
+  return std::any_of(found_.begin(), found_.end(), [&](Index f) { return windows_->contains(step, f); });
 }
 
-/// Between two samples as close as can be, whose images are apart.
-void EdgeImageSampler::bridge(Edge& edge, const Stop& from, const Stop& to, int step) {
-  const auto atTheEnd = [&](const Stop& stop) {
-    AdvectedPoint at = edge.places[stop.place].at;
-    if (!at.left && step < steps_) at = forward_->advect(at, tau_ * (steps_ - step) / steps_);
-    edge.image.leaves |= at.left;
+// Gaps between samples that are as close as they can be --------------------------------------------------------------
+
+/// Adds the faces between the images of two neighbouring samples.
+void EdgeImageSampler::bridge(Edge& edge, const Node& from, const Node& to, int step) {
+  const auto imageAfterTau = [&](const Node& node) {
+    AdvectedPoint at = edge.images[node.image].at;
+    if (!at.leftSurface && step < steps_) at = forward_->advect(at, tau_ * (steps_ - step) / steps_);
+    edge.image.leavesSurface |= at.leftSurface;
     return at;
   };
-  const AdvectedPoint a = atTheEnd(from), b = atTheEnd(to);
-  if (a.left && b.left) return;
-  const Shape shape = shapeOf(a, a, b);
-  if (shape.comparable() && shape.longest <= kFlat * shape.size) {
-    collect(a, a, b, shape, shape.longest + kReach * std::max(a.radius, b.radius));
-    keep(edge);
-  } else if (a.left || b.left) {
-    addTorn(edge, edge.samples[a.left ? to.sample : from.sample].s);
+  const AdvectedPoint a = imageAfterTau(from), b = imageAfterTau(to);
+  if (a.leftSurface && b.leftSurface) return;
+  const double radius = kRadiusFactor * std::max(a.radius, b.radius);
+  const ChordShape shape = chordShape(flow_->faces(), a.point, a.point, b.point);
+  if (shape.isComparable() && shape.longestChord <= kMaxDeviation * shape.faceSize) {
+    collectFaces(a, a, b, shape, shape.longestChord + radius);
+    keepFaces(edge);
+  } else if (a.leftSurface || b.leftSurface) {
+    addTangentTrajectory(edge, edge.samples[a.leftSurface ? to.sample : from.sample].fraction);
   } else {
-    addParting(edge, edge.samples[from.sample].s, edge.samples[to.sample].s, kReach * std::max(a.radius, b.radius));
+    addSeparatingTrajectories(edge, edge.samples[from.sample].fraction, edge.samples[to.sample].fraction, radius);
   }
 }
 
-/// One sample left, its neighbour only touches the boundary: between them runs the neighbour's own trajectory, as far
-/// as it goes through the two faces of the edge before and after the sample.
-void EdgeImageSampler::addTorn(Edge& edge, double staying) {
+/// One sample left the surface, its neighbour `staying` only touches the boundary. Between their images runs the
+/// neighbour's own trajectory, as far as it passes the two faces of the edge before and after the sample.
+void EdgeImageSampler::addTangentTrajectory(Edge& edge, double staying) {
   const TriangleMesh& mesh = flow_->mesh();
   const Index h = edge.halfedge, twin = mesh.twin(h);
-  const auto beside = [&](const TrajectoryPoint& p) {
+  const auto isBesideEdge = [&](const TrajectoryPoint& p) {
     return p.point.face == TriangleMesh::face(h) || (twin != kNone && p.point.face == TriangleMesh::face(twin));
   };
   const SurfacePoint from = pointAt(edge, staying);
@@ -348,7 +337,7 @@ void EdgeImageSampler::addTorn(Edge& edge, double staying) {
     double longest = 0.0;
     for (const TrajectoryPoint& p : advector.trajectory(from, tau_)) {
       longest = p.tau;
-      if (!beside(p)) break;
+      if (!isBesideEdge(p)) break;
     }
     return longest;
   };
@@ -358,14 +347,15 @@ void EdgeImageSampler::addTorn(Edge& edge, double staying) {
   }
 }
 
-/// Both stay, on trajectories that part on the way: between their ends lies what they met after that.
-void EdgeImageSampler::addParting(Edge& edge, double a, double b, double radius) {
-  const auto wayA = forward_->trajectory(pointAt(edge, a), tau_), wayB = forward_->trajectory(pointAt(edge, b), tau_);
+/// Both samples stay, on trajectories that separate. Between their images lies what the two met from there on.
+void EdgeImageSampler::addSeparatingTrajectories(Edge& edge, double a, double b, double radius) {
+  const std::vector<TrajectoryPoint> ofA = forward_->trajectory(pointAt(edge, a), tau_);
+  const std::vector<TrajectoryPoint> ofB = forward_->trajectory(pointAt(edge, b), tau_);
   std::size_t common = 0;
-  while (common < std::min(wayA.size(), wayB.size()) && wayA[common].point.face == wayB[common].point.face) ++common;
-  for (const auto* way : {&wayA, &wayB}) {
-    for (std::size_t i = common == 0 ? 0 : common - 1; i < way->size(); ++i) {
-      const auto& [face, at] = (*way)[i].point;
+  while (common < std::min(ofA.size(), ofB.size()) && ofA[common].point.face == ofB[common].point.face) ++common;
+  for (const auto* trajectory : {&ofA, &ofB}) {
+    for (std::size_t i = common == 0 ? 0 : common - 1; i < trajectory->size(); ++i) {
+      const auto& [face, at] = (*trajectory)[i].point;
       const Complex p = flow_->faces()[face].point(at);
       near_.collect(face, p, p, radius, edge.image.faces, [](Index) {});
     }

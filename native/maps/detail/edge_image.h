@@ -1,148 +1,144 @@
-// The faces that the images of mesh edges under the flow meet: adaptive sampling of the edges (thesis 7.1.1).
+// The faces that the images phi(tau, e) of mesh edges meet: adaptive sampling of the edges (thesis 7.1.1).
 //
-// An interval of an edge is halved until the images of its two ends and its middle are in the same or in neighbouring
-// faces and nearly in line, at the end and on the way there, in steps that the field changes little in: a piece that
-// the flow draws out and folds back would not be seen at the end. Between samples the image follows the chords. How far
-// it may leave them is estimated along with it: it grows at the rate at which the flow draws vectors out, is fed where
-// a chord lies in more than one face (within one, the field is all but linear), and is at least the distance of the
-// middle from the straight line of the ends. All faces within that distance of the chords are collected. Where the flow
-// tears the edge (one part leaves the surface, another touches the boundary and goes on) or stretches it beyond double
-// precision, the faces along the trajectories between the two parts are collected.
+// An image is followed in `steps` equal steps of tau. An interval of the edge has two ends and a middle; after each
+// step their images lie, or the interval is halved until they lie,
+//   - in the same or in neighbouring faces, which unfold into one plane, and
+//   - nearly in line.
+// The steps before the last are judged too: a curve that the flow lengthens and folds back would not be seen at the
+// end. Between samples the image follows the chords. It may deviate from them by an estimate that is carried from step
+// to step (chord_shape.h) and is at least the distance of the middle from the line between the ends. F gets all faces
+// within that distance, plus a small padding, of the chords.
 //
-// Inside a Morse set an image is followed only as long as it comes back to the set (set_windows.h): what a step takes
-// away from it is not sampled further. There, where images go on for long, how far they leave chords is bounded by a
-// part of the chords' length, which is less careful than elsewhere.
+// Two samples as close as traces resolve may have images that are far apart: where one leaves the surface and the other
+// passes a tangency to the boundary, or where a saddle separates them. Then F gets the faces along the trajectories
+// between the two.
 //
-// The samples of many edges are traced side by side. An image does not depend on the others.
+// Within a Morse set, an image is followed only as long as it is in the set's windows (set_windows.h): intervals
+// outside are not sampled further. Images of sets are followed for long times, where the deviation is taken for a
+// fraction of the chords' length at most; this is less careful than elsewhere.
+//
+// The samples of many edges are advected side by side. The image of an edge does not depend on the others.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "maps/detail/chord_shape.h"
 #include "maps/detail/unfolding.h"
-#include "maps/point_advector.h"
+#include "maps/prepared_flow.h"
 #include "maps/set_windows.h"
 
 namespace stormfield {
 
-/// What one edge's image meets.
 struct EdgeImage {
-  std::vector<Index> faces;  ///< ascending, each once
-  bool leaves = false;       ///< some of it may have left the surface
+  std::vector<Index> faces;    ///< that the image meets, ascending, each once
+  bool leavesSurface = false;  ///< some of it may have left the surface
 };
 
-/// An edge, and the arrivals of the ends of its canonical halfedge after the first steps, one at least.
+/// An edge, and the images of the ends of its canonical halfedge after the first steps, one step at least.
 struct EdgeToSample {
   Index edge;
   std::span<const AdvectedPoint> tail, head;
 };
 
-/// Makes edge images at one tau; one maker per thread.
+/// Computes edge images for one tau; one sampler per thread.
 class EdgeImageSampler final : private AdvectionQueue {
  public:
-  /// Told the place of an edge in the list, and its image, which is valid during the call.
-  using Keep = std::function<void(std::size_t, const EdgeImage&)>;
+  /// Receives the index of an edge in the list and its image, which is valid during the call.
+  using OnImage = std::function<void(std::size_t, const EdgeImage&)>;
 
   static constexpr std::size_t kMaxSamples = 5000;
 
-  /// windows: of the set that images are followed in, or null. It must outlive the maker. Of an edge that needs more
-  /// samples than maxSamples, gaps are bridged.
+  /// steps: flow.stepCount(tau), or another number of steps. windows: of the set in which images are followed, or null.
+  /// The flow and the windows must outlive the sampler. Gaps of an edge that needs more samples than maxSamples are
+  /// bridged as if its samples were as close as traces resolve.
   EdgeImageSampler(const PreparedFlow& flow, double tau, int steps, const SetWindows* windows, const Progress* progress,
                    std::size_t maxSamples = kMaxSamples);
 
-  /// Keeps the image of every edge, in any order.
-  void make(std::span<const EdgeToSample> edges, const Keep& keep);
+  /// Computes the image of every edge, in any order. Throws Cancelled.
+  void sample(std::span<const EdgeToSample> edges, const OnImage& onImage);
   /// Traces so far.
   std::size_t traces() const { return traces_; }
 
  private:
-  static constexpr int kNowhere = -1;
+  // Samples, their images, intervals and edges are numbered by int within their edge or slot; kNone: there is none.
 
-  /// Where a point of the edge has come to after a step, and, once it is known, after the next.
-  struct Place {
+  /// The image of a sample after some steps, and the number of its next image.
+  struct SampleImage {
     AdvectedPoint at;
-    int next = kNowhere;
+    int next = kNone;
   };
   /// A point of the edge.
   struct Sample {
-    double s;                                        ///< along the edge, from 0 to 1
-    int step = 0;                                    ///< so many steps of tau were followed
-    int place = kNowhere;                            ///< after them
-    bool underWay = false;                           ///< to its next place
-    std::array<int, 2> waiting{kNowhere, kNowhere};  ///< intervals that wait for it
+    double fraction;                           ///< along the edge, from 0 to 1
+    int step = 0;                              ///< steps that were followed
+    int image = kNone;                         ///< after them
+    bool isQueued = false;                     ///< for its next image
+    std::array<int, 2> waiting{kNone, kNone};  ///< intervals that wait for it
   };
-  struct Stop {
-    int sample, place;
+  /// A sample at the step of an interval.
+  struct Node {
+    int sample, image;
   };
-  /// Two samples and one in the middle.
+  /// Two samples and the one in their middle.
   struct Interval {
-    std::array<Stop, 3> stops;
-    std::array<bool, 3> behind;  ///< whether a stop is that before the step
+    std::array<Node, 3> nodes;
+    std::array<bool, 3> isBehind;  ///< whether the node's image is that before the step
     int step, level;
-    double away;                   ///< by how much the image may leave the chords
+    std::optional<double>
+        deviation;                 ///< of the image from its chords, mesh units; none while chords are not comparable
     std::array<double, 2> chords;  ///< their lengths after the step before
-    bool first = true;
+    bool isFirstStep = true;
   };
-  /// An edge whose image is being made.
+  /// An edge whose image is being computed.
   struct Edge {
     std::size_t number = 0;  ///< in the list
     Index halfedge = kNone;
     EdgeImage image;
     std::vector<Sample> samples;
-    std::vector<Place> places;
+    std::vector<SampleImage> images;
     std::vector<Interval> intervals;
-    std::size_t open = 0;  ///< intervals that are not done
-    bool crowded = false;
+    std::size_t openIntervals = 0;
+    bool isCrowded = false;  ///< needs more than maxSamples
   };
-  /// The next step of a sample, or the first ones.
-  struct Move {
-    std::size_t edge;
+  /// The next step of a sample, or its first ones.
+  struct Advection {
+    std::size_t slot;
     int sample;
     int steps;
   };
-  /// How the images of an interval's ends and middle lie.
-  struct Shape {
-    Unfoldings toA, toB;  ///< into the plane of the middle's face
-    Complex at{}, inA{}, inB{};
-    double apart = 0.0;              ///< distance of the middle from the straight line of the ends, at most
-    std::array<double, 2> chords{};  ///< their lengths
-    double longest = 0.0;            ///< of the two
-    double size = 0.0;               ///< of the middle's face
-    double spread = 0.0;
-
-    bool comparable() const { return toA.count() > 0 && toB.count() > 0; }
-  };
-  enum class Verdict { Goes, Done, Halve };
+  enum class Verdict { NextStep, Done, Halve };
 
   bool next(int lane, AdvectedPoint& from, double& tau) override;
-  void arrive(int lane, const AdvectedPoint& at) override;
+  void arrive(int lane, const AdvectedPoint& image) override;
 
-  void start(std::size_t number);
-  void finish(std::size_t slot);
-  int addKnown(Edge& edge, double s, std::span<const AdvectedPoint> arrivals);
-  void addPlace(Edge& edge, int sample, const AdvectedPoint& at, int steps);
-  void open(std::size_t slot, Stop a, Stop b, int step, int level, double away);
-  void proceed(std::size_t slot, int number);
-  bool waits(const Edge& edge, int number) const;
-  bool gather(std::size_t slot, int number);
+  void startEdge(std::size_t number);
+  void finishEdge(std::size_t slot);
+  int addKnownSample(Edge& edge, double fraction, std::span<const AdvectedPoint> images);
+  void addImage(Edge& edge, int sample, const AdvectedPoint& at, int steps);
+  void addInterval(std::size_t slot, Node a, Node b, int step, int level, std::optional<double> deviation);
+  void advanceInterval(std::size_t slot, int number);
+  bool isWaiting(const Edge& edge, int number) const;
+  bool fetchImages(std::size_t slot, int number);
   void halve(std::size_t slot, const Interval& interval);
 
   Verdict judge(Edge& edge, Interval& interval);
-  double grown(const Interval& interval, const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b,
-               const Shape& shape) const;
-  Shape shapeOf(const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b) const;
-  void collect(const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b, const Shape& shape,
-               double padding);
-  void keep(Edge& edge);
-  bool staysInSight(int step) const;
+  void updateDeviation(Interval& interval, const std::array<const AdvectedPoint*, 3>& at,
+                       const ChordShape& shape) const;
+  void collectFaces(const AdvectedPoint& a, const AdvectedPoint& middle, const AdvectedPoint& b,
+                    const ChordShape& shape, double padding);
+  void keepFaces(Edge& edge) const;
+  bool isInWindow(int step) const;
 
-  SurfacePoint pointAt(const Edge& edge, double s) const;
-  void bridge(Edge& edge, const Stop& from, const Stop& to, int step);
-  void addTorn(Edge& edge, double staying);
-  void addParting(Edge& edge, double a, double b, double radius);
+  SurfacePoint pointAt(const Edge& edge, double fraction) const;
+  void bridge(Edge& edge, const Node& from, const Node& to, int step);
+  void addTangentTrajectory(Edge& edge, double staying);
+  void addSeparatingTrajectories(Edge& edge, double a, double b, double radius);
 
   const PreparedFlow* flow_;
   double tau_;
@@ -152,16 +148,16 @@ class EdgeImageSampler final : private AdvectionQueue {
   std::unique_ptr<PointAdvector> forward_, backward_;
   NearFaces near_;
   std::span<const EdgeToSample> edges_;
-  const Keep* keep_ = nullptr;
-  std::size_t started_ = 0;
-  bool alone_ = false;                ///< the edge at hand is the only one
-  std::vector<Edge> slots_;           ///< edges under way, and those that were
-  std::vector<std::size_t> free_;     ///< slots
-  std::vector<std::size_t> crowded_;  ///< numbers
-  std::vector<Move> moves_;
-  std::array<Move, kLanes> moving_{};
-  std::vector<Index> met_;  ///< by one interval
-  bool meetsExit_ = false;
+  const OnImage* onImage_ = nullptr;
+  std::size_t started_ = 0;  ///< edges
+  bool isAlone_ = false;     ///< one edge at a time
+  std::vector<Edge> slots_;  ///< edges in progress, and those of before, for their memory
+  std::vector<std::size_t> freeSlots_;
+  std::vector<std::size_t> crowded_;  ///< numbers of edges
+  std::vector<Advection> queue_;
+  std::array<Advection, kMaxLanes> inLane_{};
+  std::vector<Index> found_;  ///< faces near the chords of one interval
+  bool foundExit_ = false;    ///< a boundary halfedge near them that flow crosses outwards
   std::size_t traces_ = 0;
 };
 

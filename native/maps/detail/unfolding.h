@@ -1,8 +1,11 @@
-// Faces near a short curve on the surface, by unfolding them into the plane of one of them.
+// Unfolding of neighbouring faces into the plane of one of them, and the faces near a short segment. An unfolded face
+// keeps its lengths and angles; straight lines over its common edge are straightest geodesics (Polthier and Schmies
+// 1998, "Straightest geodesics on polyhedral surfaces").
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <unordered_set>
 #include <vector>
 
@@ -10,7 +13,7 @@
 
 namespace stormfield {
 
-/// From one flat frame to another: z -> rotation z + offset, without stretching.
+/// A rigid motion from one flat frame to another: z -> rotation z + offset, |rotation| = 1.
 struct Isometry {
   Complex rotation{1.0, 0.0}, offset{0.0, 0.0};
 
@@ -19,64 +22,66 @@ struct Isometry {
   Isometry after(const Isometry& inner) const { return {rotation * inner.rotation, rotation * inner.offset + offset}; }
 };
 
-/// The flat frame of the face across halfedge h of a face (not on the boundary), laid into the frame of that face.
+/// From the flat frame of the face across halfedge h (which is not on the boundary) to that of the face of h.
 Isometry unfold(const FlatFaces& faces, Index h);
 
-/// One face laid into the plane of another, without turning around more than one vertex: none, or one way for the same
-/// face or one across an edge; two (one for each way around) across a vertex, unless the boundary is in the way.
+/// The unfoldings of one face into the plane of another: one for the same face and for one across an edge, two for one
+/// that shares a vertex (around the vertex on either side, unless the boundary interrupts it), none for others.
 class Unfoldings {
  public:
   Unfoldings(const FlatFaces& faces, Index base, Index other);
 
   int count() const { return count_; }
-  const Isometry& operator[](int i) const { return ways_[i]; }
-  /// How far the ways around a vertex may lay a point of the other face apart, when a curve comes to it from a point of
-  /// the base: 0 where only one way comes into question or the surface is flat.
+  const Isometry& operator[](int i) const { return unfoldings_[i]; }
+  /// The distance between the unfoldings of a point of the other face, for a curve that comes to it from a point of the
+  /// base: 0 where the curve has one way only, and where the surface is flat.
   double spread(Complex inBase, Complex inOther) const;
 
  private:
-  void turnAround(Index base, Index other, int corner, bool counterClockwise);
+  enum class Around { CounterClockwise, Clockwise };
+  void unfoldAround(Index base, Index other, int corner, Around around);
 
   const FlatFaces* faces_;
   Index base_;
-  Isometry ways_[2];
+  Isometry unfoldings_[2];
   int count_ = 0;
-  int side_ = -1, pivot_ = -1;  ///< side or corner of the base where the two faces meet
+  std::optional<int> side_, pivot_;  ///< side or corner of the base where the two faces meet
 };
 
 /// Collects the faces within a distance of a segment, which starts in face `base` and is given in its flat frame, and
-/// the boundary halfedges among their sides.
+/// the boundary halfedges within the distance. Faces are unfolded one across the other, without a limit on the
+/// distance.
 class NearFaces {
  public:
   explicit NearFaces(const FlatFaces& faces) : faces_(&faces) {}
 
-  /// Appends the faces to `list`; onBoundary(halfedge) is told the boundary halfedges within the distance.
+  /// Appends the faces to `list` and calls onBoundary(halfedge) for the boundary halfedges.
   template <typename OnBoundary>
   void collect(Index base, Complex from, Complex to, double distance, std::vector<Index>& list,
                const OnBoundary& onBoundary);
 
  private:
-  struct Laid {
-    Index face, entered;  ///< the halfedge of the face that was stepped over, kNone for the first
+  struct Unfolded {
+    Index face, entered;  ///< the halfedge of the face over which it was reached, kNone for the first
     Isometry toBase;
   };
 
   bool visit(Index f) {
-    if (visited_.size() == kFew) return visitedToo_.insert(f).second;
+    if (visited_.size() == kFew) return manyVisited_.insert(f).second;
     if (std::find(visited_.begin(), visited_.end(), f) != visited_.end()) return false;
     visited_.push_back(f);
-    if (visited_.size() == kFew) visitedToo_.insert(visited_.begin(), visited_.end());
+    if (visited_.size() == kFew) manyVisited_.insert(visited_.begin(), visited_.end());
     return true;
   }
 
   const FlatFaces* faces_;
-  std::vector<Laid> stack_;
-  static constexpr std::size_t kFew = 32;  ///< may be searched one by one
-  std::vector<Index> visited_;
-  std::unordered_set<Index> visitedToo_;  ///< all, where they are more
+  std::vector<Unfolded> stack_;
+  static constexpr std::size_t kFew = 32;  ///< searched one by one faster than by hash
+  std::vector<Index> visited_;             ///< the first kFew
+  std::unordered_set<Index> manyVisited_;  ///< all, where they are more
 };
 
-/// Edge length of the square of twice the face's area.
+/// The size of a face: the side of a square of twice its area.
 inline double faceSize(const FlatFace& face) {
   return std::sqrt(face.corner(1).real() * face.corner(2).imag());
 }
@@ -88,22 +93,22 @@ inline double cross(Complex a, Complex b) {
   return a.real() * b.imag() - a.imag() * b.real();
 }
 
-/// Whether the segment p q is on one side of the line through a and b, farther away than a distance.
+/// Whether the segment p q lies on one side of the line through a and b, farther from it than a distance.
 inline bool isBeside(Complex p, Complex q, Complex a, Complex b, double distance) {
   const double fromP = cross(b - a, p - a), fromQ = cross(b - a, q - a);
   return fromP * fromQ > 0.0 && std::min(fromP * fromP, fromQ * fromQ) > distance * distance * std::norm(b - a);
 }
 
-// Inline: called for every pair of samples ---------------------------------------------------------------------------
+// Inline, because it is called for every pair of samples --------------------------------------------------------------
 
 template <typename OnBoundary>
 void NearFaces::collect(Index base, Complex from, Complex to, double distance, std::vector<Index>& list,
                         const OnBoundary& onBoundary) {
   visited_.assign(1, base);
-  if (!visitedToo_.empty()) visitedToo_.clear();
+  if (!manyVisited_.empty()) manyVisited_.clear();
   stack_.assign(1, {base, kNone, {}});
   while (!stack_.empty()) {
-    const Laid at = stack_.back();
+    const Unfolded at = stack_.back();
     stack_.pop_back();
     list.push_back(at.face);
     const FlatFace& flat = (*faces_)[at.face];

@@ -1,18 +1,21 @@
 // The flow of a field at unit speed, for the integrator: V / sqrt(|V|^2 + e^2), whose time is arc length (thesis 7.2).
 //
-// Its trajectories are those of V, so that its Morse decompositions are Morse decompositions of V. The speed e, a small
-// part of the speed nearby, keeps the flow continuous at fixed points: they are approached but not crossed.
+// Its trajectories are those of V, so that its Morse decompositions are Morse decompositions of V. The slow speed e, a
+// small fraction of the mean speed nearby, keeps the flow continuous at fixed points, which it approaches but never
+// crosses.
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "tracing/flow.h"
 
 namespace stormfield {
 
-/// Per vertex, the speed below which the flow is slower than unit speed: a part of the mean speed around the vertex,
-/// so that it does not vanish at a zero vector. Positive where the field is not zero all around.
+/// The slow speed e of each vertex, mesh units per second: a fraction of the mean speed around the vertex, so that it
+/// does not vanish at a zero vector. Positive where the field is not zero all around.
 std::vector<double> slowSpeeds(const VectorField& field);
 
 class UnitSpeedFlow {

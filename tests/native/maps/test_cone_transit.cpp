@@ -45,22 +45,22 @@ FieldPointer disturbed(const VectorField& field, double epsilon, Random& numbers
   return std::make_shared<const VectorField>(std::move(result));
 }
 
-double around(double from, double to) {
-  const double way = std::fmod(to - from, 3.0);
-  return way < 0.0 ? way + 3.0 : way;
+double circleLength(double from, double to) {
+  const double length = std::fmod(to - from, 3.0);
+  return length < 0.0 ? length + 3.0 : length;
 }
 
-/// Where the trajectory from a place on a side leaves the face, by many small steps; none while it is inside.
-std::optional<double> leaves(const FlatFace& face, const std::array<Complex, 3>& values, int side, double fraction) {
+/// The exit of the trajectory from a position on a side, by many small steps; none while it is inside.
+std::optional<double> fineExit(const FlatFace& face, const std::array<Complex, 3>& values, int side, double fraction) {
   const CarriedVectors vectors = face.carry(values[0], values[1], values[2]);
   Complex p = face.corner(side) + fraction * (face.corner((side + 1) % 3) - face.corner(side));
   const auto stepped = [&](double size) {
-    const auto part = [&](Complex at) {
+    const auto stage = [&](Complex at) {
       const Complex v = face.evaluate(vectors, at);
       return size * face.longestSide() * v / std::abs(v);
     };
-    const Complex a = part(p), b = part(p + 0.5 * a), c = part(p + 0.5 * b);
-    return p + (a + 2.0 * b + 2.0 * c + part(p + c)) / 6.0;
+    const Complex a = stage(p), b = stage(p + 0.5 * a), c = stage(p + 0.5 * b);
+    return p + (a + 2.0 * b + 2.0 * c + stage(p + c)) / 6.0;
   };
   for (int i = 0; i < 4000; ++i) {
     double low = 0.0, high = 1e-3;
@@ -97,8 +97,8 @@ TEST(ConeTransit, ArcsHoldWhereTrajectoriesOfAllFieldsLeave) {
         const int side = numbers.below(3);
         if (cones.mayHoldFixedPoint(f)) continue;
         const double begin = numbers.uniform(0.0, 0.9), end = begin + 0.1 * numbers.uniform(0.0, 1.0);
-        const ExitArcs arcs = cones.leaving(f, side, begin, end);
-        // The same error at all corners turns the field as far as it can be turned.
+        const ExitArcs arcs = cones.exitArcs(f, side, begin, end);
+        // The same error at all corners rotates the field as far as the bound allows.
         const Complex error = std::polar(epsilon, numbers.uniform(-kPi, kPi));
         std::array<Complex, 3> values;
         for (int k = 0; k < 3; ++k) {
@@ -108,7 +108,7 @@ TEST(ConeTransit, ArcsHoldWhereTrajectoriesOfAllFieldsLeave) {
           values[k] = field->values[v] + (i % 2 == 0 ? own : there);
         }
         const double from = numbers.uniform(begin, end);
-        const auto to = leaves((*faces)[f], values, side, from);
+        const auto to = fineExit((*faces)[f], values, side, from);
         if (!to || std::abs(*to - (side + from)) < 2e-3) continue;  // does not enter
         ++compared;
         double length = 0.0;
@@ -116,7 +116,7 @@ TEST(ConeTransit, ArcsHoldWhereTrajectoriesOfAllFieldsLeave) {
         narrow += length < 0.5;
         const bool held = (*to >= side + begin - kSteps && *to <= side + end + kSteps) ||
                           std::any_of(arcs.begin(), arcs.end(), [&](const BoundaryArc& arc) {
-                            return around(arc.begin - kSteps, *to) <= arc.length + 2.0 * kSteps;
+                            return circleLength(arc.begin - kSteps, *to) <= arc.length + 2.0 * kSteps;
                           });
         EXPECT_TRUE(held) << "face " << f << ", from " << side + from << " to " << *to;
       }
@@ -127,7 +127,7 @@ TEST(ConeTransit, ArcsHoldWhereTrajectoriesOfAllFieldsLeave) {
 }
 
 TEST(TransitMap, HoldsWhereFineTrajectoriesLeave) {
-  // Small pieces, so that what the images have to spare is seen: also where trajectories graze a side they leave over.
+  // Small pieces show whether images have enough to spare, also where trajectories graze the side they leave over.
   int compared = 0, outside = 0;
   for (const Surface& s : {icosphere(1), torus(8, 6), grid(4, 0.2), bumpySphere(1)}) {
     const FieldPointer field = random(s, 7);
@@ -143,20 +143,21 @@ TEST(TransitMap, HoldsWhereFineTrajectoriesLeave) {
     for (int i = 0; i < (longTests() ? 20000 : 150); ++i) {
       const Index node = map.nodeOf(numbers.below(map.pieceCount()));
       const EdgePiece& piece = map.piece(node);
-      // Jumps in faces with a fixed point are found by bisection only; one in 80,000 trajectories misses there.
-      if (piece.enters < 0 || map.faceTransit().holdsFixedPoint(piece.enters)) continue;
+      // Jumps in faces with a fixed point are found by bisection only (docs/performance.md).
+      if (!piece.enters.isFace() || map.faceTransit().holdsFixedPoint(piece.enters.face())) continue;
+      const Index f = piece.enters.face();
       const Index h = map.mesh().edgeHalfedge(piece.edge);
-      const bool canonical = TriangleMesh::face(h) == piece.enters;
+      const bool canonical = TriangleMesh::face(h) == f;
       const double fraction = piece.from + numbers.uniform(0.0, 1.0) * (piece.to - piece.from);
-      const FlatFace& face = (*faces)[piece.enters];
+      const FlatFace& face = (*faces)[f];
       std::array<Complex, 3> values;
       for (int k = 0; k < 3; ++k) values[k] = field->values[face.vertex(k)];
       const int side = TriangleMesh::corner(canonical ? h : map.mesh().twin(h));
       const double from = canonical ? fraction : 1.0 - fraction;
-      const auto to = leaves(face, values, side, from);
+      const auto to = fineExit(face, values, side, from);
       if (!to || std::abs(*to - (side + from)) < 2e-3) continue;
       map.row(node, row);
-      const Index out = TriangleMesh::halfedge(piece.enters, std::min(2, static_cast<int>(*to)));
+      const Index out = TriangleMesh::halfedge(f, std::min(2, static_cast<int>(*to)));
       const Index edge = map.mesh().edge(out);
       const double along = *to - std::floor(*to);
       const double at = map.mesh().edgeHalfedge(edge) == out ? along : 1.0 - along;
@@ -176,15 +177,15 @@ TEST(ConeTransit, EdgesAreCrossedBothWaysWhereTheErrorReachesTheComponentAcross)
   const FieldPointer field = random(bumpySphere(1), 2);
   const ConeTransit cones(flatFaces(*field), field, 0.2);
   for (Index e = 0; e < field->mesh().edgeCount(); ++e) {
-    std::vector<double> turns = cones.turns(e);
-    turns.insert(turns.begin(), 0.0);
-    turns.push_back(1.0);
+    std::vector<double> changes = cones.signChanges(e);
+    changes.insert(changes.begin(), 0.0);
+    changes.push_back(1.0);
     const EndVectors ends = endVectors(*field, field->mesh().edgeHalfedge(e));
-    for (std::size_t i = 0; i + 1 < turns.size(); ++i) {
-      const double middle = 0.5 * (turns[i] + turns[i + 1]);
+    for (std::size_t i = 0; i + 1 < changes.size(); ++i) {
+      const double middle = 0.5 * (changes[i] + changes[i + 1]);
       const double across = (1.0 - middle) * ends.tail.imag() + middle * ends.head.imag();
       const int wanted = std::abs(across) <= 0.2 ? 0 : (across > 0.0 ? 1 : -1);
-      EXPECT_EQ(cones.crossing(e, turns[i], turns[i + 1]), wanted) << e;
+      EXPECT_EQ(cones.crossingSign(e, changes[i], changes[i + 1]), wanted) << e;
     }
   }
 }
@@ -199,7 +200,7 @@ TEST(ConeTransit, RefusesBadBounds) {
 
 // The map -------------------------------------------------------------------------------------------------------------
 
-/// Targets of a node, and where those of rest lead on to.
+/// Targets of a node, and those of the interior nodes among them.
 std::set<Index> reached(const TransitMap& map, Index node) {
   std::vector<Index> row, further;
   map.row(node, row);
@@ -279,7 +280,7 @@ TEST(TransitRefinementOfAllFields, BeyondAllSpeedsIsOneSet) {
 }
 
 /// Whether the sets of a noisy field lie each in a set of the bound, and these keep the index of what is in them. That
-/// of sets which rest at the surface's boundary is not kept: fixed points may leave over it.
+/// of sets with a fixed point at the surface's boundary is not kept: fixed points may leave over it.
 bool holds(const TransitDecomposition& noisy, const TransitDecomposition& bound) {
   std::vector<int> poincare(bound.morse.sets.size(), 0);
   for (std::size_t s = 0; s < noisy.morse.sets.size(); ++s) {
@@ -362,7 +363,7 @@ TEST(TransitRefinementOfAllFields, PersistenceIsWhereSetsMerge) {
   for (Index set = 0; set < found.nodes.count(); ++set) {
     ASSERT_TRUE(std::isfinite(persistence[set]));  // the surface is connected
     EXPECT_TRUE(isMerged(set, persistence[set]));
-    constexpr double kFirstStep = 1e-5;  // below, nothing is told apart
+    constexpr double kFirstStep = 1e-5;  // smaller steps are not searched
     EXPECT_TRUE(persistence[set] < kFirstStep || !isMerged(set, persistence[set] / kPersistenceStep));
   }
   progress.cancel();

@@ -78,19 +78,19 @@ TEST(StronglyConnectedComponents, AgreeWithReachability) {
     const Index n = 1 + random.below(24);
     const DirectedGraph graph = randomGraph(n, random.below(3 * n), false, random);
     const Matrix reach = reachability(graph);
-    const Components parts = stronglyConnectedComponents(graph);
-    std::vector<Index> sizes(parts.count(), 0);
+    const Components components = stronglyConnectedComponents(graph);
+    std::vector<Index> sizes(components.count(), 0);
     for (Index a = 0; a < n; ++a) {
-      ++sizes[parts.of[a]];
-      EXPECT_EQ(parts.recurrent[parts.of[a]] != 0, reach[a][a] != 0);
+      ++sizes[components.of[a]];
+      EXPECT_EQ(components.recurrent[components.of[a]] != 0, reach[a][a] != 0);
       for (Index b = 0; b < n; ++b) {
-        EXPECT_EQ(parts.of[a] == parts.of[b], a == b || (reach[a][b] != 0 && reach[b][a] != 0));
+        EXPECT_EQ(components.of[a] == components.of[b], a == b || (reach[a][b] != 0 && reach[b][a] != 0));
         if (reach[a][b] != 0) {
-          EXPECT_GE(parts.of[a], parts.of[b]);
+          EXPECT_GE(components.of[a], components.of[b]);
         }
       }
     }
-    EXPECT_EQ(sizes, parts.sizes);
+    EXPECT_EQ(sizes, components.sizes);
   }
 }
 
@@ -135,16 +135,16 @@ TEST(Condensation, KeepsReachabilityBetweenComponents) {
   for (int round = 0; round < 100; ++round) {
     const Index n = 1 + random.below(24);
     const DirectedGraph graph = randomGraph(n, random.below(2 * n), false, random);
-    const Components parts = stronglyConnectedComponents(graph);
-    const DirectedGraph order = condensation(graph, parts);
-    ASSERT_EQ(order.nodeCount(), parts.count());
+    const Components components = stronglyConnectedComponents(graph);
+    const DirectedGraph order = condensation(graph, components);
+    ASSERT_EQ(order.nodeCount(), components.count());
     expectRowsSorted(order);
     const Matrix fine = reachability(graph), coarse = reachability(order);
     for (Index a = 0; a < n; ++a) {
-      EXPECT_EQ(coarse[parts.of[a]][parts.of[a]], 0);
+      EXPECT_EQ(coarse[components.of[a]][components.of[a]], 0);
       for (Index b = 0; b < n; ++b) {
-        if (parts.of[a] != parts.of[b]) {
-          EXPECT_EQ(fine[a][b], coarse[parts.of[a]][parts.of[b]]);
+        if (components.of[a] != components.of[b]) {
+          EXPECT_EQ(fine[a][b], coarse[components.of[a]][components.of[b]]);
         }
       }
     }

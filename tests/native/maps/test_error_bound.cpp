@@ -28,7 +28,7 @@ VectorField swirl(int level) {
   return fromSpace(makeCharts(s), vectors);
 }
 
-/// The field with errors of the given part of epsilon * weight, in random directions.
+/// The field with errors of at most epsilon * weight, in random directions.
 VectorField disturbed(const VectorField& field, double epsilon, const std::vector<double>& weights, Random& random,
                       double least = 0.0) {
   VectorField result = field;
@@ -83,7 +83,7 @@ TEST(ErrorBoundedMap, HoldsTheMapOfEveryFieldWithinTheBound) {
       const auto weights = round % 2 == 0 ? std::vector<double>{} : randomWeights(charts->mesh().vertexCount(), random);
       const ErrorBoundedMap bounded = errorBoundedMap(field, weights);
       const CombinatorialMap map = mapWithinEpsilon(bounded, epsilon);
-      const std::vector<char> resting = fixedPointFacesWithinEpsilon(bounded, epsilon);
+      const std::vector<char> holds = fixedPointFacesWithinEpsilon(bounded, epsilon);
       // Errors of the full size as well: the bound itself is within the bound.
       const VectorField other = disturbed(field, epsilon, weights, random, round % 3 == 0 ? 1.0 : 0.0);
       const CombinatorialMap otherMap = geometryMap(other);
@@ -92,14 +92,15 @@ TEST(ErrorBoundedMap, HoldsTheMapOfEveryFieldWithinTheBound) {
           EXPECT_TRUE(leads(map, f, *t)) << s.name << ": " << f << " -> " << *t;
         }
       }
-      const std::vector<char> otherResting = fixedPointFaces(other);
-      for (std::size_t f = 0; f < resting.size(); ++f) EXPECT_GE(resting[f], otherResting[f]) << s.name;
+      const std::vector<char> otherHolds = fixedPointFaces(other);
+      for (std::size_t f = 0; f < holds.size(); ++f) EXPECT_GE(holds[f], otherHolds[f]) << s.name;
     }
   }
 }
 
 TEST(ErrorBoundedMap, EdgesComeAtTheLeastEpsilon) {
-  // Just below the epsilon of an edge no field crosses there: the vectors turned outwards as far as possible do not.
+  // Just below the epsilon of an edge no field crosses there, not even one whose vectors point outwards as far as they
+  // can.
   const VectorField field = randomField(makeCharts(bumpySphere(2)), 9);
   const ErrorBoundedMap bounded = errorBoundedMap(field, {});
   const TriangleMesh& mesh = field.mesh();
@@ -115,7 +116,7 @@ TEST(ErrorBoundedMap, EdgesComeAtTheLeastEpsilon) {
   }
 }
 
-TEST(ErrorBoundedMap, FlatFacesRestAtTheirLeastSpeed) {
+TEST(ErrorBoundedMap, FlatFacesCanHoldAFixedPointFromTheirLeastSpeed) {
   const VectorField field = randomField(makeCharts(grid(6, 0.3)), 2);
   const ErrorBoundedMap bounded = errorBoundedMap(field, {});
   Random random(1);
@@ -155,7 +156,7 @@ TEST(MeanSpeed, IsAnAreaMean) {
 
 // The decomposition under noise ---------------------------------------------------------------------------------------
 
-/// Whether each set of the noisy field lies in one of the sets of the bound, and flow between them goes their way.
+/// Whether each set of the noisy field lies in one of the sets of the bound, and the edges between them are paths of the bound.
 void expectWithin(const MorseDecomposition& noisy, const MorseDecomposition& bound) {
   std::vector<Index> inside(noisy.sets.size());
   for (Index s = 0; s < noisy.faces.count(); ++s) {
@@ -217,10 +218,10 @@ std::vector<double> byTrying(const ErrorBoundedMap& bounded, const IndexSets& se
   levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   for (const double level : levels) {
     if (!(level > epsilon) || !std::isfinite(level)) continue;
-    const Components parts = stronglyConnectedComponents(mapWithinEpsilon(bounded, level).graph);
+    const Components components = stronglyConnectedComponents(mapWithinEpsilon(bounded, level).graph);
     for (Index a = 0; a < sets.count(); ++a) {
       for (Index b = 0; b < sets.count(); ++b) {
-        if (a == b || parts.of[sets.members(a)[0]] != parts.of[sets.members(b)[0]]) continue;
+        if (a == b || components.of[sets.members(a)[0]] != components.of[sets.members(b)[0]]) continue;
         result[a] = std::min(result[a], level);
       }
     }
@@ -250,10 +251,11 @@ TEST(Persistence, LevelsAreTheComponentsOfEveryEpsilon) {
   const MergeLevels levels = mergeLevels(bounded, progress);
   EXPECT_TRUE(std::is_sorted(levels.epsilon.begin(), levels.epsilon.end()));
   for (const double epsilon : {0.0, 0.01, 0.1, 0.3, 1.0, 10.0}) {
-    const auto parts = stronglyConnectedComponents(mapWithinEpsilon(bounded, epsilon).graph);
+    const auto components = stronglyConnectedComponents(mapWithinEpsilon(bounded, epsilon).graph);
     const auto joins = std::upper_bound(levels.epsilon.begin(), levels.epsilon.end(), epsilon) - levels.epsilon.begin();
-    EXPECT_EQ(parts.count(), bounded.map.graph.nodeCount() - joins);
-    for (std::ptrdiff_t i = 0; i < joins; ++i) EXPECT_EQ(parts.of[levels.first[i]], parts.of[levels.second[i]]);
+    EXPECT_EQ(components.count(), bounded.map.graph.nodeCount() - joins);
+    for (std::ptrdiff_t i = 0; i < joins; ++i)
+      EXPECT_EQ(components.of[levels.first[i]], components.of[levels.second[i]]);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "field/interpolation.h"
 #include "field/poincare_index.h"
 #include "fixtures.h"
+#include "maps/fixed_point_faces.h"
 #include "tracing/streamline.h"
 
 namespace stormfield::test {
@@ -26,11 +27,11 @@ VectorField spaceField(const Surface& s, const std::function<Vec3(const Vec3&)>&
   return fromSpace(charts, vectors);
 }
 
-TEST(EdgeCrossings, AgreeWithTheFieldAlongTheEdge) {
+TEST(EdgeDirections, AgreeWithTheFieldAlongTheEdge) {
   for (const NamedSurface& s : closedSurfaces()) {
     const VectorField field = randomField(makeCharts(s.surface), 5);
     const TriangleMesh& mesh = field.mesh();
-    const auto crossings = edgeDirections(field);
+    const auto directions = edgeDirections(field);
     for (Index e = 0; e < mesh.edgeCount(); ++e) {
       const Index h = mesh.edgeHalfedge(e), f = TriangleMesh::face(h);
       const FaceInterpolant local = faceInterpolant(field, f);
@@ -42,11 +43,72 @@ TEST(EdgeCrossings, AgreeWithTheFieldAlongTheEdge) {
         (v.imag() > 0.0 ? seen.inwards : seen.outwards) = true;
       }
       // Samples can miss a change of sign just beside an end.
-      EXPECT_TRUE(crossings[e].inwards || !seen.inwards) << s.name << ", edge " << e;
-      EXPECT_TRUE(crossings[e].outwards || !seen.outwards) << s.name << ", edge " << e;
-      EXPECT_TRUE(crossings[e].inwards || crossings[e].outwards);
+      EXPECT_TRUE(directions[e].inwards || !seen.inwards) << s.name << ", edge " << e;
+      EXPECT_TRUE(directions[e].outwards || !seen.outwards) << s.name << ", edge " << e;
+      EXPECT_TRUE(directions[e].inwards || directions[e].outwards);
     }
   }
+}
+
+TEST(EdgeDirections, FollowFromTheEndsOfALinearField) {
+  // V = (1, x - 0.1): flow crosses lines x = const to the right, and lines y = const up where x > 0.1.
+  const VectorField field = spaceField(grid(8, 0.2), [](const Vec3& p) { return Vec3(1.0, p.x() - 0.1, 0.0); });
+  const TriangleMesh& mesh = field.mesh();
+  const auto directions = edgeDirections(field);
+  int bothWays = 0;
+  for (Index e = 0; e < mesh.edgeCount(); ++e) {
+    const Index h = mesh.edgeHalfedge(e);
+    const Vec3 tail = mesh.point(mesh.tail(h)), head = mesh.point(mesh.head(h)), along = head - tail;
+    const auto across = [&](const Vec3& p) { return along.x() * (p.x() - 0.1) - along.y(); };
+    EXPECT_EQ(directions[e].inwards, across(tail) > 0.0 || across(head) > 0.0) << e;
+    EXPECT_EQ(directions[e].outwards, across(tail) < 0.0 || across(head) < 0.0) << e;
+    bothWays += directions[e].inwards && directions[e].outwards;
+  }
+  EXPECT_GT(bothWays, 8);
+}
+
+TEST(EdgeDirections, ComeFromTheEndVectorsInTheFrameOfTheHalfedge) {
+  const VectorField field = spaceField(grid(4, 0.2), [](const Vec3& p) { return Vec3(2.0 - p.y(), p.x(), 0.0); });
+  const TriangleMesh& mesh = field.mesh();
+  for (Index h = 0; h < mesh.halfedgeCount(); ++h) {
+    const Vec3 tail = mesh.point(mesh.tail(h)), head = mesh.point(mesh.head(h));
+    const Vec3 along = (head - tail).normalized(), across(-along.y(), along.x(), 0.0);
+    const auto inFrame = [&](const Vec3& p) {
+      const Vec3 v(2.0 - p.y(), p.x(), 0.0);
+      return Complex(v.dot(along), v.dot(across));
+    };
+    const EndVectors ends = endVectors(field, h);
+    expectNear(ends.tail, inFrame(tail), 1e-12);
+    expectNear(ends.head, inFrame(head), 1e-12);
+  }
+}
+
+TEST(EdgeDirections, AFixedPointOnAnEdgeIsCrossedBothWays) {
+  EXPECT_TRUE(holdsFixedPointOnEdge({0.0, {1.0, 1.0}}));
+  EXPECT_TRUE(holdsFixedPointOnEdge({{1.0, 1.0}, 0.0}));
+  EXPECT_TRUE(holdsFixedPointOnEdge({1.0, -2.0}));
+  EXPECT_FALSE(holdsFixedPointOnEdge({1.0, 2.0}));                 // along the edge
+  EXPECT_FALSE(holdsFixedPointOnEdge({{1.0, 0.5}, {-1.0, 0.5}}));  // crosses it
+  EXPECT_FALSE(holdsFixedPointOnEdge({{1.0, 1e-12}, {-1.0, 0.0}}));
+  // V = (x - 0.1, 0) is zero between the ends of the edges along x there.
+  const VectorField field = spaceField(grid(8), [](const Vec3& p) { return Vec3(p.x() - 0.1, 0.0, 0.0); });
+  const TriangleMesh& mesh = field.mesh();
+  const auto directions = edgeDirections(field);
+  const std::vector<char> holds = fixedPointFaces(field);
+  int found = 0;
+  for (Index e = 0; e < mesh.edgeCount(); ++e) {
+    const Index h = mesh.edgeHalfedge(e);
+    const Vec3 tail = mesh.point(mesh.tail(h)), head = mesh.point(mesh.head(h));
+    if (tail.y() != head.y() || (tail.x() - 0.1) * (head.x() - 0.1) > 0.0) continue;
+    ++found;
+    EXPECT_TRUE(directions[e].inwards && directions[e].outwards) << e;
+    for (const Index side : {h, mesh.twin(h)}) {
+      if (side != kNone) {
+        EXPECT_TRUE(holds[TriangleMesh::face(side)]) << e;
+      }
+    }
+  }
+  EXPECT_EQ(found, 9);
 }
 
 TEST(GeometryMap, EnclosesStreamlines) {
@@ -94,16 +156,16 @@ TEST(GeometryMap, OfAFlowAlongEdgesHasNoCycles) {
 
 TEST(GeometryMap, OfAZeroFieldIsOneComponent) {
   const VectorField field = zeroField(makeCharts(icosphere(1)));
-  const Components parts = stronglyConnectedComponents(geometryMap(field).graph);
-  EXPECT_EQ(parts.count(), 2);  // and outside
+  const Components components = stronglyConnectedComponents(geometryMap(field).graph);
+  EXPECT_EQ(components.count(), 2);  // and outside
 }
 
 TEST(GeometryMap, JoinsTheFacesAroundAFixedPointAtAVertex) {
   for (const double sign : {1.0, -1.0}) {
     const VectorField field = spaceField(grid(4), [&](const Vec3& p) { return Vec3(sign * p); });
-    const Components parts = stronglyConnectedComponents(geometryMap(field).graph);
-    EXPECT_EQ(*std::max_element(parts.sizes.begin(), parts.sizes.end()), 6);
-    EXPECT_EQ(std::count(parts.recurrent.begin(), parts.recurrent.end(), 1), 1);
+    const Components components = stronglyConnectedComponents(geometryMap(field).graph);
+    EXPECT_EQ(*std::max_element(components.sizes.begin(), components.sizes.end()), 6);
+    EXPECT_EQ(std::count(components.recurrent.begin(), components.recurrent.end(), 1), 1);
   }
 }
 
@@ -121,9 +183,9 @@ TEST(GeometryMap, OfTheReversedFieldIsReversed) {
     for (const auto& field : {randomField(makeCharts(s.surface), 9), randomIntegerField(makeCharts(s.surface), 9)}) {
       VectorField back = field;
       for (Complex& v : back.values) v = -v;
-      const DirectedGraph turned = reversed(geometryMap(field).graph), wanted = geometryMap(back).graph;
-      EXPECT_EQ(turned.offsets, wanted.offsets) << s.name;
-      EXPECT_EQ(turned.targets, wanted.targets) << s.name;
+      const DirectedGraph backwards = reversed(geometryMap(field).graph), wanted = geometryMap(back).graph;
+      EXPECT_EQ(backwards.offsets, wanted.offsets) << s.name;
+      EXPECT_EQ(backwards.targets, wanted.targets) << s.name;
     }
   }
 }

@@ -13,7 +13,7 @@
 #include "maps/detail/edge_image.h"
 #include "maps/error_bound.h"
 #include "maps/geometry_map.h"
-#include "maps/point_advector.h"
+#include "maps/prepared_flow.h"
 #include "maps/tau_map.h"
 
 namespace stormfield::test {
@@ -23,7 +23,8 @@ bool leadsTo(const CombinatorialMap& map, Index from, Index to) {
   return std::binary_search(map.graph.begin(from), map.graph.end(from), to);
 }
 
-/// Random points of random faces (of those asked for, or all), to be moved, that do not end in F of their face.
+/// Advects random points of random faces (of the chosen ones, or of all) and counts those whose image is not in F of
+/// their face.
 class Escapes final : public AdvectionQueue {
  public:
   Escapes(const CombinatorialMap& map, double tau, int tries, const std::vector<Index>& asked)
@@ -39,7 +40,7 @@ class Escapes final : public AdvectionQueue {
     return true;
   }
   void arrive(int lane, const AdvectedPoint& end) override {
-    count_ += !leadsTo(map_, from_[lane], end.left ? map_.outside() : end.point.face);
+    count_ += !leadsTo(map_, from_[lane], end.leftSurface ? map_.outside() : end.point.face);
   }
   int count() const { return count_; }
 
@@ -49,16 +50,16 @@ class Escapes final : public AdvectionQueue {
   int left_, count_ = 0;
   const std::vector<Index>& asked_;
   Random random_{11};
-  std::array<Index, kLanes> from_{};
+  std::array<Index, kMaxLanes> from_{};
 };
 
-/// How many of so many tries escape, traced finely.
+/// How many of `tries` points escape, by fine traces.
 int escapes(const FlatFaces& faces, const VectorField& field, const CombinatorialMap& map, TauUnit unit, double tau,
             int tries, const std::vector<Index>& asked = {}) {
-  Escapes moves(map, tau, tries, asked);
+  Escapes escaping(map, tau, tries, asked);
   const PreparedFlow flow(faces, field, unit, 1e-8);
-  flow.advector(Direction::Forward, nullptr)->advectAll(moves);
-  return moves.count();
+  flow.advector(Direction::Forward, nullptr)->advectAll(escaping);
+  return escaping.count();
 }
 
 /// More with STORMFIELD_LONG_TESTS set to a factor: 5000 makes 10^7 of them on the gas engine.
@@ -117,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, TauMapOnSurfaces, testing::ValuesIn(allSurfac
 
 TEST(TauMap, EnclosesTheImagesOfTheGasEngine) {
   const auto data = dataSet("gasEngineV.t");
-  if (!data) GTEST_SKIP() << "the data set gasEngineV.t is not at hand";
+  if (!data) GTEST_SKIP() << "the data set gasEngineV.t is not there";
   const VectorField field = fieldOn(*data);
   const FlatFaces faces(field.charts);
   const double tau = 3e-4;
@@ -133,7 +134,7 @@ TEST(TauMap, EnclosesTheImagesOfTheGasEngine) {
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, tries(2000), asked), 0);
 }
 
-// Ends and middle of an edge come together, but between them it is drawn out by a saddle that they pass.
+// The images of the ends and the middle of an edge come together, but a saddle that they pass draws out what lies between.
 TEST(TauMap, SeesWhatLeavesBetweenSamplesThatComeTogether) {
   const auto charts = makeCharts(icosphere(2));
   const FlatFaces faces(charts);
@@ -145,7 +146,7 @@ TEST(TauMap, SeesWhatLeavesBetweenSamplesThatComeTogether) {
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Time, tau, tries(500), {162, 163}), 0);
 }
 
-// Edges that need more samples than there may be are made again, alone, in the end.
+// Edges that need more samples than the limit are sampled again in the end, one at a time.
 TEST(TauMap, BridgesGapsOfEdgesThatNeedTooManySamples) {
   const auto charts = makeCharts(icosphere(2));
   const TriangleMesh& mesh = charts->mesh();
@@ -168,9 +169,9 @@ TEST(TauMap, BridgesGapsOfEdgesThatNeedTooManySamples) {
   const auto images = [&](std::size_t maxSamples, std::size_t pieces) {
     std::vector<std::vector<Index>> made(edges.size());
     for (std::size_t first = 0; first < edges.size(); first += edges.size() / pieces) {
-      EdgeImageSampler maker(flow, tau, kSteps, nullptr, nullptr, maxSamples);
-      maker.make(std::span(edges).subspan(first, edges.size() / pieces),
-                 [&](std::size_t i, const EdgeImage& image) { made[first + i] = image.faces; });
+      EdgeImageSampler sampler(flow, tau, kSteps, nullptr, nullptr, maxSamples);
+      sampler.sample(std::span(edges).subspan(first, edges.size() / pieces),
+                     [&](std::size_t i, const EdgeImage& image) { made[first + i] = image.faces; });
     }
     return made;
   };
@@ -180,7 +181,7 @@ TEST(TauMap, BridgesGapsOfEdgesThatNeedTooManySamples) {
   for (const auto& image : bridged) EXPECT_FALSE(image.empty());
 }
 
-// Around a spiral the flow draws vectors out for half of each turn, while all comes together.
+// Around a spiral the flow lengthens vectors during half of each turn, while the image shrinks.
 TEST(TauMap, FollowsImagesIntoSpiralsWithFewTraces) {
   const auto charts = makeCharts(grid(12));
   Points vectors = charts->mesh().points();
@@ -256,22 +257,22 @@ TEST(TauMap, EnclosesWhatPassesTheBoundaryWhereAllEdgesLeave) {
   const PreparedFlow flow(faces, field, TauUnit::Length, 1e-8);
   const SurfacePoint passing{4, {0.8777, 0.0992, 0.0231}};
   const AdvectedPoint end = flow.advector(Direction::Forward, nullptr)->advect(passing, tau);
-  ASSERT_FALSE(end.left);
+  ASSERT_FALSE(end.leftSurface);
   EXPECT_TRUE(leadsTo(map, passing.face, end.point.face));
   EXPECT_EQ(escapes(faces, field, map, TauUnit::Length, tau, 2000, {2, 3, 4, 5}), 0);
 }
 
-/// A field within the error: along a vector in space, turning, or at random.
+/// A field within the error, whose error points along a vector in space, across the field, or at random.
 VectorField disturbed(const VectorField& field, double epsilon, int kind) {
   VectorField result = field;
   Random random(100 + kind);
   const Vec3 direction = random.vector();
   const VectorField along = fromSpace(field.charts, direction.transpose().replicate(field.mesh().vertexCount(), 1));
   for (std::size_t v = 0; v < field.values.size(); ++v) {
-    const Complex turn = kind % 3 == 0   ? along.values[v]
-                         : kind % 3 == 1 ? Complex(0.0, 1.0) * field.values[v]
-                                         : std::polar(1.0, random.uniform(0.0, 6.28));
-    if (std::abs(turn) > 0.0) result.values[v] += 0.999 * epsilon * turn / std::abs(turn);
+    const Complex error = kind % 3 == 0   ? along.values[v]
+                          : kind % 3 == 1 ? Complex(0.0, 1.0) * field.values[v]
+                                          : std::polar(1.0, random.uniform(0.0, 6.28));
+    if (std::abs(error) > 0.0) result.values[v] += 0.999 * epsilon * error / std::abs(error);
   }
   return result;
 }
@@ -442,13 +443,13 @@ TEST(TauMap, StopsWhenCancelled) {
   const auto charts = makeCharts(icosphere(4));
   const FlatFaces faces(charts);
   const VectorField field = smoothField(charts);
-  for (const double part : {0.0, 0.05, 0.3}) {
+  for (const double fraction : {0.0, 0.05, 0.3}) {
     Progress progress;
     std::thread watcher([&] {
-      while (progress.fraction() < part) std::this_thread::yield();
+      while (progress.fraction() < fraction) std::this_thread::yield();
       progress.cancel();
     });
-    EXPECT_THROW(tauMap(faces, field, 1.5, {}, &progress), Cancelled) << part;
+    EXPECT_THROW(tauMap(faces, field, 1.5, {}, &progress), Cancelled) << fraction;
     watcher.join();
   }
 }

@@ -115,7 +115,7 @@ class Recomputation {
     // After 2^k steps each, back to the first tau: images are followed in the set of that tau, and of none before.
     const Chain& chain = chains_[set];
     SetWindows windows;
-    windows.steps = advectionStepCount(flow_, tau);
+    windows.steps = flow_.stepCount(tau);
     const int doublings = std::countr_zero(static_cast<unsigned>(windows.steps));
     for (int k = 0; k < doublings; ++k) {
       const int age = doublings - k, place = static_cast<int>(chain.size()) - age;

@@ -74,21 +74,23 @@ TEST(TransitMap, HoldsWhereTrajectoriesLeaveFaces) {
         for (int i = 0; i < 1000; ++i) {
           const Index node = map.nodeOf(numbers.below(map.pieceCount()));
           const EdgePiece& piece = map.piece(node);
-          if (piece.enters < 0) continue;
+          if (!piece.enters.isFace()) continue;
           const Index h = map.mesh().edgeHalfedge(piece.edge);
           const double fraction = piece.from + numbers.uniform(0.0, 1.0) * (piece.to - piece.from);
-          const bool canonical = TriangleMesh::face(h) == piece.enters;
+          const Index f = piece.enters.face();
+          const bool canonical = TriangleMesh::face(h) == f;
           const Index entered = canonical ? h : map.mesh().twin(h);
-          const double to = map.faceTransit().leaves(
-              piece.enters, TriangleMesh::corner(entered) + (canonical ? fraction : 1.0 - fraction));
+          const ExitPosition exit =
+              map.faceTransit().exitOf(f, TriangleMesh::corner(entered) + (canonical ? fraction : 1.0 - fraction));
           map.row(node, row);
-          if (to == FaceTransit::kRest) {
-            outside += !std::binary_search(row.begin(), row.end(), piece.enters);
+          if (!exit.exists()) {
+            outside += !std::binary_search(row.begin(), row.end(), f);
             continue;
           }
+          const double to = *exit;
           // Some piece of the row lies over the edge there.
           const int side = std::min(2, static_cast<int>(to));
-          const Index out = TriangleMesh::halfedge(piece.enters, side), edge = map.mesh().edge(out);
+          const Index out = TriangleMesh::halfedge(f, side), edge = map.mesh().edge(out);
           const double along = map.mesh().edgeHalfedge(edge) == out ? to - side : 1.0 - (to - side);
           const bool found = std::any_of(row.begin(), row.end(), [&](Index target) {
             if (!map.isPiece(target)) return false;
@@ -204,8 +206,8 @@ TEST(TransitMap, EdgesThatFlowRunsAlongAreCrossedByNone) {
   EXPECT_EQ(along, 2 * 16);
   for (Index p = 0; p < map.pieceCount(); ++p) {
     const EdgePiece& piece = map.piece(map.nodeOf(p));
-    EXPECT_EQ(piece.enters == EdgePiece::kAlong, map.faceTransit().edgeFlow(piece.edge).along != 0);
-    EXPECT_NE(piece.enters, EdgePiece::kBothFaces);
+    EXPECT_EQ(piece.enters == EnteredRegion::none(), map.faceTransit().edgeFlow(piece.edge).along != 0);
+    EXPECT_FALSE(piece.enters == EnteredRegion::bothFaces());
   }
   EXPECT_EQ(kinds(refined(field).morse), (std::map<std::string, int>{{"attracting", 1}, {"repelling", 1}}));
 }
