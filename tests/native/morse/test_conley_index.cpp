@@ -158,7 +158,7 @@ TEST(ConleyIndex, UpperBoundsAgreeWithThePoincareSum) {
         possible = true;
         wanted = {std::max(wanted.b0, index.b0), std::max(wanted.b1, index.b1), std::max(wanted.b2, index.b2)};
       }
-      const ConleyIndex found = agreeing(bound, euler);
+      const ConleyIndex found = matchPoincareSum(bound, euler);
       if (possible) {
         EXPECT_EQ(found, wanted);
         continue;
@@ -170,10 +170,10 @@ TEST(ConleyIndex, UpperBoundsAgreeWithThePoincareSum) {
     }
   }
   // What is left of one face when a map misses where flow leaves it.
-  EXPECT_EQ(agreeing({0, 0, 0}, -1), (ConleyIndex{0, 1, 0}));
-  EXPECT_EQ(agreeing({1, 0, 0}, -1), (ConleyIndex{1, 2, 0}));
-  EXPECT_EQ(agreeing({0, 0, 0}, 1), (ConleyIndex{0, 0, 1}));
-  EXPECT_EQ(agreeing({0, 0, 0}, 2), (ConleyIndex{1, 0, 1}));
+  EXPECT_EQ(matchPoincareSum({0, 0, 0}, -1), (ConleyIndex{0, 1, 0}));
+  EXPECT_EQ(matchPoincareSum({1, 0, 0}, -1), (ConleyIndex{1, 2, 0}));
+  EXPECT_EQ(matchPoincareSum({0, 0, 0}, 1), (ConleyIndex{0, 0, 1}));
+  EXPECT_EQ(matchPoincareSum({0, 0, 0}, 2), (ConleyIndex{1, 0, 1}));
 }
 
 // Against the ranks of the boundary matrices --------------------------------------------------------------------------
