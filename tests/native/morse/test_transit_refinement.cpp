@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "checks.h"
 #include "data_sets.h"
 #include "fixtures.h"
 #include "long_tests.h"
@@ -280,6 +281,15 @@ TEST(TransitRefinement, CancelAndLimitsLeaveAValidDecomposition) {
   EXPECT_EQ(instant.refine(), RefinementStop::Time);
   TransitRefinement small(faces, field, {.memoryLimit = 1000});
   EXPECT_EQ(small.refine(), RefinementStop::Memory);
+}
+
+TEST(TransitRefinement, RefusesTheMapOfOtherPieces) {
+  const FieldPointer field = random(icosphere(0), 2);
+  TransitRefinement refinement(flatFaces(*field), field, {.maxLevel = 2});
+  const CombinatorialMap before = refinement.map().map();
+  refinement.refine();
+  Progress progress;
+  expectFault<InputError>([&] { refinement.decomposition(before, {}, progress); }, {"nodes", "its own map"});
 }
 
 TEST(TransitRefinement, ClosedOrbitsEverywhereEnd) {
