@@ -103,8 +103,9 @@ void eachEdgeInside(const Subgraph& subgraph, const Sets& sets, Index set, doubl
 Subgraph subgraphOf(const Subgraph& subgraph, const Sets& sets, Index set, double epsilon) {
   Subgraph result;
   result.graph.offsets.resize(static_cast<std::size_t>(sets.size(set)) + 1);
-  for (const Index* node = sets.begin(set); node != sets.end(set); ++node)
+  for (const Index* node = sets.begin(set); node != sets.end(set); ++node) {
     result.firsts.push_back(subgraph.firsts[*node]);
+  }
   eachEdgeInside(subgraph, sets, set, epsilon, [&](Index node, Index target, double from) {
     result.graph.targets.push_back(target);
     result.epsilons.push_back(from);
@@ -184,7 +185,7 @@ class Merging {
  private:
   /// Subgraphs of at most so many nodes are solved directly.
   static constexpr Index kSmall = 64;
-  /// Sets of nodes per task.
+  /// Subgraphs of more nodes are shared among tasks, of so many sets each.
   static constexpr Index kGrain = 2000;
 
   /// Finds what merges beyond `base`; up to there no two nodes are strongly connected.
@@ -196,7 +197,7 @@ class Merging {
     if (middle == kNever) return;
     const Sets sets = setsOf(graphUpTo(subgraph, middle));
     if (isLast) return absorb(subgraph.firsts, sets, middle);
-    Subgraph rest = contracted(subgraph.graph, subgraph.epsilons, subgraph.firsts, sets);
+    Subgraph between = contracted(subgraph.graph, subgraph.epsilons, subgraph.firsts, sets);
     const auto lower = [&] {
       const auto solveSets = [&](const tbb::blocked_range<Index>& range) {
         for (Index set = range.begin(); set < range.end(); ++set) {
@@ -207,7 +208,7 @@ class Merging {
       nodes > kGrain ? tbb::parallel_for(all, solveSets) : solveSets(all);
       subgraph = {};
     };
-    const auto upper = [&] { solve(std::move(rest), middle); };
+    const auto upper = [&] { solve(std::move(between), middle); };
     if (nodes > kGrain) {
       tbb::parallel_invoke(lower, upper);
     } else {

@@ -40,8 +40,9 @@ struct SetComponents {
 SetComponents componentsOf(const FaceSets& sets, const std::vector<Index>& chosen,
                            const std::vector<std::vector<Index>>& rows) {
   SetComponents result;
-  for (const Index set : chosen)
+  for (const Index set : chosen) {
     result.faces.insert(result.faces.end(), sets.members(set).begin(), sets.members(set).end());
+  }
   std::sort(result.faces.begin(), result.faces.end());
   std::vector<Index> place(sets.setOf().size(), kNone);
   for (std::size_t i = 0; i < result.faces.size(); ++i) place[result.faces[i]] = static_cast<Index>(i);
