@@ -323,7 +323,7 @@ std::vector<char> TauRefinement::replaceByComponents(const std::vector<Index>& c
     state.done = state.unchanged >= options_.patience;
     state.ancestors.push_back({state.tau, std::make_shared<const std::vector<Index>>(fresh.members(s))});
     if (same) changed[std::lower_bound(chosen.begin(), chosen.end(), parent[s]) - chosen.begin()] = 0;
-    kept.push_back({&fresh, s, morseSet(*field_, map, poincare_, mapped, fresh, s), trial});
+    kept.push_back({&fresh, s, morseSet(*field_, map, poincare_, mapped, fresh, s), state});
   }
   std::sort(kept.begin(), kept.end(), [](const Kept& a, const Kept& b) {
     return a.from->members(a.set).front() < b.from->members(b.set).front();
@@ -335,7 +335,7 @@ std::vector<char> TauRefinement::replaceByComponents(const std::vector<Index>& c
   for (const Kept& k : kept) {
     for (const Index f : k.from->members(k.set)) all[f] = static_cast<Index>(indices.size());
     indices.push_back(k.index);
-    states.push_back(k.trial);
+    states.push_back(k.state);
   }
   sets_ = FaceSets(std::move(all), static_cast<Index>(indices.size()));
   indices_ = std::move(indices);
