@@ -23,7 +23,7 @@ from .progress import progress
 @click.option("--tau", type=float, help="Seconds (tau) or mesh units (spatial).  [default: a few edges]")
 @click.option("--refine", is_flag=True, help="Refine coarse sets by larger tau (geometry: smaller pieces of edges).")
 @click.option("--tau-max", type=float, help="Largest tau of a refinement.")
-@click.option("--seconds", type=float, help="Time after which a refinement stops.")
+@click.option("--max-seconds", type=float, help="Time after which a refinement stops.")
 @click.option(
     "--eps",
     "--epsilon",

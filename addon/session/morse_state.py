@@ -37,7 +37,7 @@ _serials = itertools.count(1)
 
 def refine_options(settings, mesh: MeshData, values: np.ndarray) -> dict[str, Any]:
     """Options of native.start_morse for a refinement of that field as the panel says."""
-    options = {"method": settings.method, "refine": True, "seconds": settings.seconds}
+    options = {"method": settings.method, "refine": True, "max_seconds": settings.seconds}
     if settings.method == "geometry":
         return {**options, "eps": settings.eps / 100.0, "relative": True, "persistence": settings.persistence}
     begin = settings.length if settings.method == "spatial" else settings.tau

@@ -23,10 +23,7 @@ struct MorseSetView {
   Index set;
 
   const MorseSet& data() const { return output->analysis.decomposition.sets[set]; }
-  const std::vector<Index>& faces() const {
-    const MorseDecomposition& morse = output->analysis.decomposition;
-    return morse.covers.empty() ? morse.faces.members(set) : morse.covers[set];
-  }
+  const std::vector<Index>& faces() const { return output->analysis.decomposition.facesMet(set); }
 };
 
 std::vector<double> inputWeights(const py::object& weights, Index vertices) {
@@ -43,7 +40,8 @@ MorseOutput analyzed(const MeshPointer& mesh, const VectorField& field, const Mo
 std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std::string& method,
                                              const std::optional<double>& tau, double eps, bool relative,
                                              const py::object& weights, bool refine,
-                                             const std::optional<double>& tauMax, const std::optional<double>& seconds,
+                                             const std::optional<double>& tauMax,
+                                             const std::optional<double>& maxSeconds,
                                              const std::optional<bool>& persistence, bool keepEmpty, bool trivial) {
   MorseAnalysisOptions options;
   options.method = morseMethod(method);
@@ -53,10 +51,9 @@ std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std
   options.weights = inputWeights(weights, field.mesh->mesh().vertexCount());
   options.refine = refine;
   options.tauMax = tauMax;
-  if (seconds) options.maximalSeconds = *seconds;
+  if (maxSeconds) options.maxSeconds = *maxSeconds;
   options.persistence = persistence;
-  options.keepEmpty = keepEmpty;
-  options.keepTrivial = trivial;
+  options.kept = {.empty = keepEmpty, .trivial = trivial};
   return std::make_shared<Job<MorseOutput>>([mesh = field.mesh, f = field.field, options](Progress& progress) {
     return analyzed(mesh, f, options, progress);
   });
@@ -71,8 +68,10 @@ std::shared_ptr<Job<MorseOutput>> startRefineSet(const MorsePointer& output, Ind
 MorsePointer simplified(const MorseOutput& output, double eps, const std::optional<bool>& trivial) {
   const py::gil_scoped_release release;
   Progress progress;
+  KeptSets kept = output.analysis.kept;
+  if (trivial) kept.trivial = *trivial;
   return std::make_shared<const MorseOutput>(
-      MorseOutput{output.mesh, within(output.analysis, eps, trivial.value_or(output.analysis.keepTrivial), progress)});
+      MorseOutput{output.mesh, withinEpsilon(output.analysis, eps, kept, progress)});
 }
 
 std::vector<MorseSetView> setsOf(const MorsePointer& output) {
@@ -88,16 +87,11 @@ py::array_t<Index> edgesOf(const MorseOutput& output) {
   return result;
 }
 
-py::array_t<Index> facesBetween(const MorseOutput& output, Index source, Index target) {
-  const MorseAnalysis& analysis = output.analysis;
-  const Index count = analysis.decomposition.faces.count();
-  for (const Index set : {source, target}) {
-    if (set < 0 || set >= count) throw InputError(message("there is no Morse set ", set, "; there are ", count));
-  }
+py::array_t<Index> connectionFaces(const MorseOutput& output, Index source, Index target) {
   std::vector<Index> faces;
   {
     const py::gil_scoped_release release;
-    faces = connectionFaces(analysis, source, target);
+    faces = facesBetween(output.analysis, source, target);
   }
   return copied(faces);
 }
@@ -171,32 +165,29 @@ void bindDecomposition(py::module_& m) {
           "map_edges", [](const MorseOutput& o) { return o.analysis.decomposition.mapEdges; },
           "Edges of the combinatorial map.")
       .def_property_readonly(
-          "method", [](const MorseOutput& o) { return name(o.analysis.method); }, "geometry, tau or spatial.")
+          "method", [](const MorseOutput& o) { return name(o.analysis.model->method()); }, "geometry, tau or spatial.")
       .def_property_readonly(
           "tau",
           [](const MorseOutput& o) {
-            return o.analysis.tau > 0.0 ? std::optional<double>(o.analysis.tau) : std::nullopt;
+            const double tau = o.analysis.model->tau();
+            return tau > 0.0 ? std::optional<double>(tau) : std::nullopt;
           },
           "Seconds (tau) or mesh units (spatial), the largest of a refinement; None for geometry.")
       .def_property_readonly(
-          "taus",
-          [](const MorseOutput& o) {
-            const auto& refinement = o.analysis.refinement;
-            const std::size_t faces = o.analysis.decomposition.faces.setOf().size();
-            return copied(refinement ? refinement->taus() : std::vector<double>(faces, o.analysis.tau));
-          },
+          "taus", [](const MorseOutput& o) { return copied(o.analysis.model->taus()); },
           "(m,) float64: per face the tau of its row of the map, 0 where that is geometry-based.")
       .def_property_readonly(
           "stop",
           [](const MorseOutput& o) {
-            return o.analysis.stop ? std::optional<std::string>(name(*o.analysis.stop)) : std::nullopt;
+            const std::optional<RefinementStop> stop = o.analysis.model->stop();
+            return stop ? std::optional<std::string>(name(*stop)) : std::nullopt;
           },
           "Why a refinement went no further: done, steps, time, memory or cancelled; None for others.")
       .def_property_readonly(
-          "eps", [](const MorseOutput& o) { return o.analysis.epsilon; },
+          "eps", [](const MorseOutput& o) { return o.analysis.model->epsilon(); },
           "Bound on the error of the vectors, mesh units per second.")
       .def_property_readonly(
-          "upper_bound", [](const MorseOutput& o) { return o.analysis.method != MorseMethod::Geometry; },
+          "upper_bound", [](const MorseOutput& o) { return o.analysis.model->method() != MorseMethod::Geometry; },
           "Whether Conley indices are upper bounds.")
       .def_property_readonly("seconds", &secondsOf, "Seconds by phase: map, sets, persistence.")
       .def("simplify", &simplified, py::arg("eps"), py::arg("trivial") = py::none(),
@@ -208,11 +199,12 @@ void bindDecomposition(py::module_& m) {
           "start_refine_set", [](const std::shared_ptr<MorseOutput>& o, Index set) { return startRefineSet(o, set); },
           py::arg("set"),
           "Start to refine one set of a refined decomposition, or of one by geometry with eps 0 -> MorseJob.")
-      .def("connection_faces", &facesBetween, py::arg("source"), py::arg("target"),
-           "(k,) int32: faces on a way from one set to another, without theirs; empty when none leads there.")
+      .def(
+          "connection_faces", &connectionFaces, py::arg("source"), py::arg("target"),
+          "(k,) int32: faces that connections from one set to another pass through, without theirs; empty without any.")
       .def("__repr__", [](const MorseOutput& o) {
-        return message("<MorseDecomposition by ", name(o.analysis.method), ": ", o.analysis.decomposition.faces.count(),
-                       " sets>");
+        return message("<MorseDecomposition by ", name(o.analysis.model->method()), ": ",
+                       o.analysis.decomposition.faces.count(), " sets>");
       });
 }
 
@@ -226,7 +218,7 @@ void bind_morse(py::module_& m) {
   m.def(
       "start_morse", &startMorse, py::arg("field"), py::arg("method") = "geometry", py::arg("tau") = py::none(),
       py::arg("eps") = 0.0, py::arg("relative") = false, py::arg("weights") = py::none(), py::arg("refine") = false,
-      py::arg("tau_max") = py::none(), py::arg("seconds") = py::none(), py::arg("persistence") = py::none(),
+      py::arg("tau_max") = py::none(), py::arg("max_seconds") = py::none(), py::arg("persistence") = py::none(),
       py::arg("keep_empty") = false, py::arg("trivial") = true,
       "Start the Morse decomposition of a VectorField -> MorseJob, whose result is a MorseDecomposition.\n"
       "method: geometry, tau or spatial. tau: seconds, or mesh units for spatial (None: found from the field).\n"
@@ -235,7 +227,7 @@ void bind_morse(py::module_& m) {
       "weights: (n,) float64 >= 0, factors of eps at the vertices. persistence: whether to find when sets merge "
       "(None:\n"
       "without refine only); refined, that takes some twenty maps and is accurate to a factor of 2.\n"
-      "refine: refine coarse sets, for at most so many seconds: tau and spatial by ever larger tau, from tau up to\n"
+      "refine: refine coarse sets, for at most max_seconds: tau and spatial by ever larger tau, from tau up to\n"
       "tau_max, geometry by ever smaller pieces of edges, also inside faces; a cancelled refinement returns the sets\n"
       "it has come to.\n"
       "keep_empty: keep sets that provably hold no recurrence. trivial: keep sets of trivial index, whose recurrence\n"

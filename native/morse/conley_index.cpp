@@ -3,17 +3,24 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/error.h"
+#include "base/message.h"
 #include "morse/detail/union_find.h"
 
 namespace stormfield {
 namespace {
 
-/// A set of faces as a cell complex of its own, whose vertices are classes of corners. Corner k of its i-th face is
-/// 3 i + k, as is the halfedge that starts there.
-class Complex2 {
+/// A set of faces as a cell complex of its own, whose vertices are classes of corners. Corner k of its i-th face has
+/// the number 3 i + k, and so has the halfedge that starts there.
+class FaceComplex {
  public:
-  Complex2(const TriangleMesh& mesh, const FaceSets& sets, Index set, Corners corners)
-      : mesh_(mesh), sets_(sets), set_(set), faces_(sets.members(set)), vertices_(cornerCount()), pieces_(faceCount()) {
+  FaceComplex(const TriangleMesh& mesh, const FaceSets& sets, Index set, Corners corners)
+      : mesh_(mesh),
+        sets_(sets),
+        set_(set),
+        faces_(sets.members(set)),
+        vertices_(cornerCount()),
+        components_(faceCount()) {
     for (Index c = 0; c < cornerCount(); ++c) {
       const Index twin = twinOf(c);
       if (twin == kNone) {
@@ -24,7 +31,7 @@ class Complex2 {
       ++edges_;
       vertices_.join(c, TriangleMesh::next(twin));
       vertices_.join(TriangleMesh::next(c), twin);
-      pieces_.join(c / 3, twin / 3);
+      components_.join(c / 3, twin / 3);
     }
     if (corners == Corners::Together) joinCorners();
   }
@@ -33,14 +40,14 @@ class Complex2 {
   Index cornerCount() const { return 3 * faceCount(); }
   Index vertex(Index corner) { return vertices_.find(corner); }
   Index meshVertex(Index corner) const { return mesh_.tail(3 * faces_[corner / 3] + corner % 3); }
-  /// Its twin's place when that is in the set too, else kNone: the edge is on the boundary.
+  /// The twin's number where that is in the set too; kNone: the edge is on the boundary of the set.
   Index twinOf(Index corner) const {
     const Index twin = mesh_.twin(3 * faces_[corner / 3] + corner % 3);
     if (twin == kNone || sets_.setOf(TriangleMesh::face(twin)) != set_) return kNone;
     return 3 * sets_.placeOf(TriangleMesh::face(twin)) + TriangleMesh::corner(twin);
   }
-  /// Faces that share edges.
-  Index piece(Index face) { return pieces_.find(face); }
+  /// Of the faces that hang together by edges.
+  Index component(Index face) { return components_.find(face); }
 
   int euler() {
     Index count = 0;
@@ -63,23 +70,23 @@ class Complex2 {
   const FaceSets& sets_;
   Index set_;
   const std::vector<Index>& faces_;
-  UnionFind vertices_, pieces_;
+  UnionFind vertices_, components_;
   Index edges_ = 0;
 };
 
 struct ExitSet {
-  std::vector<char> vertices;  ///< per corner, set at the name of its vertex
+  std::vector<char> vertices;  ///< per corner, 1 at the corner that names a vertex of L
   int euler = 0;
 };
 
-ExitSet exitSet(Complex2& n, const IndexPair& pair) {
+ExitSet exitSet(FaceComplex& n, const IndexPair& pair) {
   ExitSet l{std::vector<char>(n.cornerCount(), 0)};
   for (Index c = 0; c < n.cornerCount(); ++c) {
     const Index vertex = n.meshVertex(c);
     if (std::binary_search(pair.exitVertices.begin(), pair.exitVertices.end(), vertex)) l.vertices[n.vertex(c)] = 1;
     const Exit exit = pair.exits[c];
     if (exit == Exit::None || n.twinOf(c) != kNone) continue;
-    // A part of an edge shrinks to its end; only whole edges are cells of L.
+    // A piece of an edge contracts to its end; only whole edges are cells of L.
     if (exit != Exit::AtHead) l.vertices[n.vertex(c)] = 1;
     if (exit != Exit::AtTail) l.vertices[n.vertex(TriangleMesh::next(c))] = 1;
     if (exit == Exit::Whole) --l.euler;
@@ -88,8 +95,8 @@ ExitSet exitSet(Complex2& n, const IndexPair& pair) {
   return l;
 }
 
-/// Pieces, also connected through vertices alone, that L does not meet.
-int piecesWithoutExit(Complex2& n, const ExitSet& l) {
+/// Components of N, where vertices connect too, that L does not meet.
+int componentsWithoutExit(FaceComplex& n, const ExitSet& l) {
   UnionFind joined(n.cornerCount());
   for (Index c = 0; c < n.cornerCount(); ++c) {
     joined.join(c, n.vertex(c));
@@ -104,15 +111,35 @@ int piecesWithoutExit(Complex2& n, const ExitSet& l) {
   return count;
 }
 
-/// Pieces, connected through edges, whose boundary is in L: each is a cycle of H2(N, L), and there are no others.
-int piecesWithinExit(Complex2& n, const IndexPair& pair) {
+/// Components of N, where only edges connect, whose boundary is in L: these are the cycles of H2(N, L).
+int componentsBoundedByExit(FaceComplex& n, const IndexPair& pair) {
   std::vector<char> open(n.faceCount(), 0);
   for (Index c = 0; c < n.cornerCount(); ++c) {
-    if (n.twinOf(c) == kNone && pair.exits[c] != Exit::Whole) open[n.piece(c / 3)] = 1;
+    if (n.twinOf(c) == kNone && pair.exits[c] != Exit::Whole) open[n.component(c / 3)] = 1;
   }
   int count = 0;
-  for (Index f = 0; f < n.faceCount(); ++f) count += n.piece(f) == f && open[f] == 0;
+  for (Index f = 0; f < n.faceCount(); ++f) count += n.component(f) == f && open[f] == 0;
   return count;
+}
+
+void checkPair(const TriangleMesh& mesh, const FaceSets& sets, Index set, const IndexPair& pair) {
+  if (static_cast<Index>(sets.setOf().size()) != mesh.faceCount()) {
+    throw InputError(message("the sets are of ", sets.setOf().size(), " faces, but the mesh has ", mesh.faceCount(),
+                             "; make them on the same mesh"));
+  }
+  if (set < 0 || set >= sets.count()) {
+    throw InputError(message("there is no set ", set, " of faces; there are ", sets.count()));
+  }
+  if (pair.exits.size() != 3 * sets.members(set).size()) {
+    throw InputError(message("the index pair has ", pair.exits.size(), " exits, but set ", set, " has ",
+                             sets.members(set).size(), " faces; give three for each"));
+  }
+  if (!pair.exitVertices.empty() && pair.corners == Corners::Apart) {
+    throw InputError("the index pair has exit vertices, which are several points with corners apart; set corners");
+  }
+  if (!std::is_sorted(pair.exitVertices.begin(), pair.exitVertices.end())) {
+    throw InputError("the exit vertices of the index pair do not ascend; sort them");
+  }
 }
 
 /// A least triple from this one on with b0 - b1 + b2 = euler.
@@ -154,16 +181,19 @@ const char* name(MorseKind kind) {
 }
 
 ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index set, const IndexPair& pair) {
-  Complex2 n(mesh, sets, set, pair.corners);
+  checkPair(mesh, sets, set, pair);
+  FaceComplex n(mesh, sets, set, pair.corners);
   const ExitSet l = exitSet(n, pair);
-  const int b0 = piecesWithoutExit(n, l), b2 = piecesWithinExit(n, pair);
+  const int b0 = componentsWithoutExit(n, l), b2 = componentsBoundedByExit(n, pair);
   return {b0, b0 + b2 - (n.euler() - l.euler), b2};
 }
 
-ConleyIndex agreeing(const ConleyIndex& bound, int euler) {
-  const ConleyIndex result{std::min(bound.b0, bound.b1 + euler), std::min(bound.b1, bound.b0 + bound.b2 - euler),
-                           std::min(bound.b2, bound.b1 + euler)};
-  return std::min({result.b0, result.b1, result.b2}) < 0 ? raised(bound, euler) : result;
+ConleyIndex matchPoincareSum(const ConleyIndex& bound, int poincareSum) {
+  // Each number is largest where the numbers of the other sign are as large as the bound allows.
+  const ConleyIndex result{std::min(bound.b0, bound.b1 + poincareSum),
+                           std::min(bound.b1, bound.b0 + bound.b2 - poincareSum),
+                           std::min(bound.b2, bound.b1 + poincareSum)};
+  return std::min({result.b0, result.b1, result.b2}) < 0 ? raised(bound, poincareSum) : result;
 }
 
 }  // namespace stormfield

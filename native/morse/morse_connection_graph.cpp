@@ -10,13 +10,13 @@
 namespace stormfield {
 namespace {
 
-/// Sets of ends, each kept once and named by a number, with a memory of their unions: neighbouring faces lead to the
-/// same ends, so that there are far fewer different sets than faces.
-class EndSets {
+/// Sets of Morse sets, each stored once under a number, with their unions: neighbouring nodes lead to the same Morse
+/// sets, so that there are far fewer different ones than nodes.
+class SharedSets {
  public:
   static constexpr Index kEmpty = 0;
 
-  Index single(Index end) { return number({end}); }
+  Index single(Index element) { return number({element}); }
 
   Index unite(Index a, Index b) {
     if (a == b || b == kEmpty) return a;
@@ -26,15 +26,16 @@ class EndSets {
     const auto known = unions_.find(key);
     if (known != unions_.end()) return known->second;
     std::vector<Index> both;
-    std::set_union(ends(a).begin(), ends(a).end(), ends(b).begin(), ends(b).end(), std::back_inserter(both));
+    std::set_union(elements(a).begin(), elements(a).end(), elements(b).begin(), elements(b).end(),
+                   std::back_inserter(both));
     return unions_[key] = number(std::move(both));
   }
 
-  const std::vector<Index>& ends(Index set) const { return *sets_[set]; }
+  const std::vector<Index>& elements(Index set) const { return *sets_[set]; }
 
  private:
-  Index number(std::vector<Index> ends) {
-    const auto [at, added] = numbers_.try_emplace(std::move(ends), static_cast<Index>(sets_.size()));
+  Index number(std::vector<Index> elements) {
+    const auto [at, added] = numbers_.try_emplace(std::move(elements), static_cast<Index>(sets_.size()));
     if (added) sets_.push_back(&at->first);
     return at->second;
   }
@@ -59,27 +60,27 @@ struct Members {
   }
 };
 
-/// Per Morse set the sets, and outside as number sets.count(), that F leads to without passing through others.
+/// Per Morse set those that F leads to without passing through others, and outside as number sets.count().
 DirectedGraph nextSets(const CombinatorialMap& map, const Components& components, const IndexSets& sets) {
   const Members members(components);
-  EndSets ends;
-  // In the order of components, whose targets have lower numbers.
-  std::vector<Index> leadsTo(components.count(), EndSets::kEmpty), beyond(sets.count(), EndSets::kEmpty);
+  SharedSets shared;
+  // Components are numbered so that each leads to lower ones.
+  std::vector<Index> leadsTo(components.count(), SharedSets::kEmpty), beyond(sets.count(), SharedSets::kEmpty);
   for (Index c = 0; c < components.count(); ++c) {
-    Index all = EndSets::kEmpty;
+    Index all = SharedSets::kEmpty;
     for (std::size_t m = members.first[c]; m < members.first[c + 1]; ++m) {
       for (const Index* t = map.graph.begin(members.nodes[m]); t != map.graph.end(members.nodes[m]); ++t) {
-        if (components.of[*t] != c) all = ends.unite(all, leadsTo[components.of[*t]]);
+        if (components.of[*t] != c) all = shared.unite(all, leadsTo[components.of[*t]]);
       }
     }
     const Index node = members.nodes[members.first[c]];
     const Index set = node == map.outside() ? sets.count() : sets.setOf(node);
     if (set != kNone && set < sets.count()) beyond[set] = all;
-    leadsTo[c] = set == kNone ? all : ends.single(set);
+    leadsTo[c] = set == kNone ? all : shared.single(set);
   }
   DirectedGraph result;
   for (const Index all : beyond) {
-    result.targets.insert(result.targets.end(), ends.ends(all).begin(), ends.ends(all).end());
+    result.targets.insert(result.targets.end(), shared.elements(all).begin(), shared.elements(all).end());
     result.offsets.push_back(result.targets.size());
   }
   result.offsets.push_back(result.targets.size());
@@ -107,9 +108,9 @@ std::vector<Index> connectionRegion(const CombinatorialMap& map, const IndexSets
   const std::vector<char> after = reachable(map.graph, sets.members(from));
   const std::vector<char> before = reachable(reversed(map.graph), sets.members(to));
   std::vector<Index> result;
-  for (Index f = 0; f < map.outside(); ++f) {
-    const bool between = after[f] != 0 && before[f] != 0;
-    if (between && sets.setOf(f) != from && sets.setOf(f) != to) result.push_back(f);
+  for (Index node = 0; node < map.outside(); ++node) {
+    const bool between = after[node] != 0 && before[node] != 0;
+    if (between && sets.setOf(node) != from && sets.setOf(node) != to) result.push_back(node);
   }
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "base/message.h"
@@ -20,7 +21,7 @@ void checkSize(std::size_t size, Index faces, const char* what) {
   throw InputError(message(what, " has ", size, " faces, but the mesh has ", faces, "; make it on the same mesh"));
 }
 
-/// The sets of those numbers that are chosen.
+/// The sets that are chosen, in their order.
 FaceSets chosen(const FaceSets& sets, const std::vector<char>& isChosen) {
   std::vector<Index> number(sets.count(), kNone);
   Index count = 0;
@@ -39,8 +40,8 @@ bool meetsBoundary(const TriangleMesh& mesh, const std::vector<Index>& faces) {
   });
 }
 
-std::vector<MorseSet> indexed(const VectorField& field, const CombinatorialMap& map, const std::vector<char>& mapped,
-                              const FaceSets& faces, const Progress& progress) {
+std::vector<MorseSet> morseSets(const VectorField& field, const CombinatorialMap& map, const std::vector<char>& mapped,
+                                const FaceSets& faces, const Progress& progress) {
   const std::vector<int> poincare = poincareIndices(field);
   std::vector<MorseSet> sets(faces.count());
   tbb::parallel_for(Index{0}, faces.count(), [&](Index s) {
@@ -54,7 +55,7 @@ void dropTrivial(MorseDecomposition& morse) {
   std::vector<char> kept;
   for (const MorseSet& set : morse.sets) kept.push_back(isTrivial(set) ? 0 : 1);
   morse.faces = chosen(morse.faces, kept);
-  morse.sets.erase(std::remove_if(morse.sets.begin(), morse.sets.end(), isTrivial), morse.sets.end());
+  std::erase_if(morse.sets, isTrivial);
 }
 
 }  // namespace
@@ -80,10 +81,11 @@ MorseSet morseSet(const VectorField& field, const CombinatorialMap& map, const s
   }
   const IndexPair pair = result.upperBound ? mapPair(field, map, faces, set) : flowPair(field, map, faces, set);
   result.index = conleyIndex(field.mesh(), faces, set, pair);
-  if (!result.upperBound) result.grazings = grazings(field, faces, set);
-  // At the boundary of the surface the sum of the Poincare indices says less.
-  if (result.upperBound && !meetsBoundary(field.mesh(), faces.members(set))) {
-    result.index = agreeing(result.index, result.poincare);
+  if (!result.upperBound) {
+    result.internalTangencies = internalTangencies(field, faces, set);
+  } else if (!meetsBoundary(field.mesh(), faces.members(set))) {
+    // At the boundary of the surface the flow may touch it from inside, and the sum is another one.
+    result.index = matchPoincareSum(result.index, result.poincare);
   }
   result.kind = kindOf(result.index);
   return result;
@@ -94,23 +96,26 @@ MorseDecomposition morseDecomposition(const VectorField& field, const Combinator
   const TriangleMesh& mesh = field.mesh();
   checkSize(static_cast<std::size_t>(map.outside()), mesh.faceCount(), "the combinatorial map");
   if (!options.mapped.empty()) checkSize(options.mapped.size(), mesh.faceCount(), "the list of mapped faces");
-  if (!options.resting.empty()) checkSize(options.resting.size(), mesh.faceCount(), "the list of resting faces");
+  if (options.fixedPointFaces) {
+    checkSize(options.fixedPointFaces->size(), mesh.faceCount(), "the list of faces with fixed points");
+  }
 
   const Components components = stronglyConnectedComponents(map.graph);
   progress.report(0.3);
   progress.check();
   const FaceSets recurrent = recurrentSets(map, components);
   const std::vector<char> kept =
-      options.keepEmpty ? std::vector<char>(recurrent.count(), 1)
-                        : canRecur(mesh, recurrent, options.resting.empty() ? fixedPointFaces(field) : options.resting);
+      options.kept.empty
+          ? std::vector<char>(recurrent.count(), 1)
+          : canRecur(mesh, recurrent, options.fixedPointFaces ? *options.fixedPointFaces : fixedPointFaces(field));
   progress.report(0.5);
   progress.check();
 
   MorseDecomposition result;
   result.mapEdges = map.graph.edgeCount();
   result.faces = chosen(recurrent, kept);
-  result.sets = indexed(field, map, options.mapped, result.faces, progress);
-  if (!options.keepTrivial) dropTrivial(result);
+  result.sets = morseSets(field, map, options.mapped, result.faces, progress);
+  if (!options.kept.trivial) dropTrivial(result);
   progress.report(0.7);
   progress.check();
   result.graph = morseConnectionGraph(map, components, result.faces);

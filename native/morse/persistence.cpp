@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// A face that is absorbed, or kNone for into.
+/// What a node is absorbed by, kNone for nothing.
 struct Absorbed {
   Index into = kNone;
   double epsilon = kNever;
@@ -30,16 +30,16 @@ struct Edge {
   double epsilon;
 };
 
-/// Nodes that stand for contracted sets of faces, and the edges between them with their epsilons.
-struct Part {
+/// A graph whose nodes stand for contracted sets of the map's nodes, with the epsilon from which each edge is there.
+struct Subgraph {
   DirectedGraph graph;
   std::vector<double> epsilons;  ///< per edge
-  std::vector<Index> faces;      ///< per node the least of its faces; ascending
+  std::vector<Index> firsts;     ///< per node the least node of the map that it stands for; ascending
 };
 
-/// Strongly connected sets, numbered by their first nodes, with their nodes in turn, ascending.
+/// Strongly connected sets, numbered by their first nodes, with the nodes of each in a row, ascending.
 struct Sets {
-  std::vector<Index> of, members, place;  ///< place: of each node among its set's
+  std::vector<Index> of, members, place;  ///< place: of each node in the row of its set
   std::vector<std::size_t> offsets{0};
 
   Index count() const { return static_cast<Index>(offsets.size()) - 1; }
@@ -48,15 +48,15 @@ struct Sets {
   const Index* end(Index set) const { return members.data() + offsets[set + 1]; }
 };
 
-DirectedGraph graphUpTo(const Part& part, double epsilon) {
+DirectedGraph graphUpTo(const Subgraph& subgraph, double epsilon) {
   DirectedGraph graph;
-  graph.offsets.reserve(part.graph.offsets.size());
-  graph.targets.resize(part.graph.edgeCount());
+  graph.offsets.reserve(subgraph.graph.offsets.size());
+  graph.targets.resize(subgraph.graph.edgeCount());
   std::size_t count = 0;
-  for (Index node = 0; node < part.graph.nodeCount(); ++node) {
-    for (std::size_t e = part.graph.offsets[node]; e < part.graph.offsets[node + 1]; ++e) {
-      graph.targets[count] = part.graph.targets[e];
-      count += part.epsilons[e] <= epsilon ? 1 : 0;
+  for (Index node = 0; node < subgraph.graph.nodeCount(); ++node) {
+    for (std::size_t e = subgraph.graph.offsets[node]; e < subgraph.graph.offsets[node + 1]; ++e) {
+      graph.targets[count] = subgraph.graph.targets[e];
+      count += subgraph.epsilons[e] <= epsilon ? 1 : 0;
     }
     graph.offsets.push_back(count);
   }
@@ -88,23 +88,25 @@ Sets setsOf(const DirectedGraph& graph) {
 
 /// visit(node, target, epsilon) for the edges up to an epsilon within a set, by their nodes' places in it.
 template <typename Visit>
-void eachEdgeWithin(const Part& part, const Sets& sets, Index set, double epsilon, const Visit& visit) {
+void eachEdgeInside(const Subgraph& subgraph, const Sets& sets, Index set, double epsilon, const Visit& visit) {
   for (const Index* node = sets.begin(set); node != sets.end(set); ++node) {
-    for (std::size_t e = part.graph.offsets[*node]; e < part.graph.offsets[*node + 1]; ++e) {
-      const Index target = part.graph.targets[e];
-      if (part.epsilons[e] <= epsilon && sets.of[target] == set) {
-        visit(sets.place[*node], sets.place[target], part.epsilons[e]);
+    for (std::size_t e = subgraph.graph.offsets[*node]; e < subgraph.graph.offsets[*node + 1]; ++e) {
+      const Index target = subgraph.graph.targets[e];
+      if (subgraph.epsilons[e] <= epsilon && sets.of[target] == set) {
+        visit(sets.place[*node], sets.place[target], subgraph.epsilons[e]);
       }
     }
   }
 }
 
-/// One set as a part of its own, with the edges up to an epsilon.
-Part within(const Part& part, const Sets& sets, Index set, double epsilon) {
-  Part result;
+/// One set as a subgraph of its own, with the edges up to an epsilon.
+Subgraph subgraphOf(const Subgraph& subgraph, const Sets& sets, Index set, double epsilon) {
+  Subgraph result;
   result.graph.offsets.resize(static_cast<std::size_t>(sets.size(set)) + 1);
-  for (const Index* node = sets.begin(set); node != sets.end(set); ++node) result.faces.push_back(part.faces[*node]);
-  eachEdgeWithin(part, sets, set, epsilon, [&](Index node, Index target, double from) {
+  for (const Index* node = sets.begin(set); node != sets.end(set); ++node) {
+    result.firsts.push_back(subgraph.firsts[*node]);
+  }
+  eachEdgeInside(subgraph, sets, set, epsilon, [&](Index node, Index target, double from) {
     result.graph.targets.push_back(target);
     result.epsilons.push_back(from);
     ++result.graph.offsets[static_cast<std::size_t>(node) + 1];
@@ -114,14 +116,14 @@ Part within(const Part& part, const Sets& sets, Index set, double epsilon) {
 }
 
 /// The sets as nodes; of several edges from one to another the first to appear.
-Part contracted(const DirectedGraph& graph, const std::vector<double>& epsilons, const std::vector<Index>& faces,
-                const Sets& sets) {
-  Part result;
+Subgraph contracted(const DirectedGraph& graph, const std::vector<double>& epsilons, const std::vector<Index>& firsts,
+                    const Sets& sets) {
+  Subgraph result;
   result.graph.offsets.reserve(sets.offsets.size());
-  result.faces.reserve(sets.offsets.size());
+  result.firsts.reserve(sets.offsets.size());
   std::vector<std::size_t> last(sets.count(), 0);  // beyond the edge to each from the current set
   for (Index set = 0; set < sets.count(); ++set) {
-    result.faces.push_back(faces[*sets.begin(set)]);
+    result.firsts.push_back(firsts[*sets.begin(set)]);
     const std::size_t begin = result.graph.offsets.back();
     for (const Index* node = sets.begin(set); node != sets.end(set); ++node) {
       for (std::size_t e = graph.offsets[*node]; e < graph.offsets[*node + 1]; ++e) {
@@ -166,47 +168,47 @@ std::pair<double, bool> middleOf(const std::vector<double>& epsilons, double bas
 
 class Merging {
  public:
-  Merging(Index faces, Progress& progress) : progress_(progress), absorbed_(faces) {}
+  Merging(Index nodes, Progress& progress) : progress_(progress), absorbed_(nodes) {}
 
   std::vector<Absorbed> run(const ErrorBoundedMap& bounded) && {
-    // Most large sets are there from the beginning.
+    // Most large sets are there at epsilon 0.
     const Sets sets = setsOf(mapWithinEpsilon(bounded, 0.0).graph);
     progress_.check();
-    std::vector<Index> faces(bounded.map.graph.nodeCount());
-    std::iota(faces.begin(), faces.end(), 0);
-    absorb(faces, sets, 0.0);
-    solve(contracted(bounded.map.graph, bounded.edgeEpsilon, faces, sets), 0.0);
+    std::vector<Index> nodes(bounded.map.graph.nodeCount());
+    std::iota(nodes.begin(), nodes.end(), 0);
+    absorb(nodes, sets, 0.0);
+    solve(contracted(bounded.map.graph, bounded.edgeEpsilon, nodes, sets), 0.0);
     progress_.check();
     return std::move(absorbed_);
   }
 
  private:
-  /// Parts of so many nodes are not halved.
+  /// Subgraphs of at most so many nodes are solved directly.
   static constexpr Index kSmall = 64;
-  /// Nodes for one thread at a time.
+  /// Subgraphs of more nodes are shared among tasks, of so many sets each.
   static constexpr Index kGrain = 2000;
 
-  /// Up to `base` its edges connect no two nodes strongly.
-  void solve(Part part, double base) {
+  /// Finds what merges beyond `base`; up to there no two nodes are strongly connected.
+  void solve(Subgraph subgraph, double base) {
     if (progress_.cancelled()) return;
-    const Index nodes = part.graph.nodeCount();
-    if (nodes <= kSmall) return solveSmall(part);
-    const auto [middle, isLast] = middleOf(part.epsilons, base);
+    const Index nodes = subgraph.graph.nodeCount();
+    if (nodes <= kSmall) return solveSmall(subgraph);
+    const auto [middle, isLast] = middleOf(subgraph.epsilons, base);
     if (middle == kNever) return;
-    const Sets sets = setsOf(graphUpTo(part, middle));
-    if (isLast) return absorb(part.faces, sets, middle);
-    Part rest = contracted(part.graph, part.epsilons, part.faces, sets);
+    const Sets sets = setsOf(graphUpTo(subgraph, middle));
+    if (isLast) return absorb(subgraph.firsts, sets, middle);
+    Subgraph between = contracted(subgraph.graph, subgraph.epsilons, subgraph.firsts, sets);
     const auto lower = [&] {
       const auto solveSets = [&](const tbb::blocked_range<Index>& range) {
         for (Index set = range.begin(); set < range.end(); ++set) {
-          if (sets.size(set) > 1) solve(within(part, sets, set, middle), base);
+          if (sets.size(set) > 1) solve(subgraphOf(subgraph, sets, set, middle), base);
         }
       };
       const tbb::blocked_range<Index> all(0, sets.count(), kGrain);
       nodes > kGrain ? tbb::parallel_for(all, solveSets) : solveSets(all);
-      part = {};
+      subgraph = {};
     };
-    const auto upper = [&] { solve(std::move(rest), middle); };
+    const auto upper = [&] { solve(std::move(between), middle); };
     if (nodes > kGrain) {
       tbb::parallel_invoke(lower, upper);
     } else {
@@ -215,30 +217,30 @@ class Merging {
     }
   }
 
-  /// Sets whose nodes come together at one epsilon.
-  void absorb(const std::vector<Index>& faces, const Sets& sets, double epsilon) {
+  /// The nodes of each set merge at one epsilon.
+  void absorb(const std::vector<Index>& firsts, const Sets& sets, double epsilon) {
     for (Index set = 0; set < sets.count(); ++set) {
-      const Index first = faces[*sets.begin(set)];
+      const Index first = firsts[*sets.begin(set)];
       for (const Index* node = sets.begin(set) + 1; node != sets.end(set); ++node) {
-        absorbed_[faces[*node]] = {first, epsilon};
+        absorbed_[firsts[*node]] = {first, epsilon};
       }
     }
     report(static_cast<Index>(sets.members.size()) - sets.count());
   }
 
-  /// Edge by edge, with what every node reaches.
-  void solveSmall(const Part& part) {
-    const Index nodes = part.graph.nodeCount();
+  /// Adds edge by edge to the nodes that every node reaches.
+  void solveSmall(const Subgraph& subgraph) {
+    const Index nodes = subgraph.graph.nodeCount();
     report(nodes - 1);
     std::vector<Edge> edges;
     for (Index node = 0; node < nodes; ++node) {
-      for (std::size_t e = part.graph.offsets[node]; e < part.graph.offsets[node + 1]; ++e) {
-        edges.push_back({node, part.graph.targets[e], part.epsilons[e]});
+      for (std::size_t e = subgraph.graph.offsets[node]; e < subgraph.graph.offsets[node + 1]; ++e) {
+        edges.push_back({node, subgraph.graph.targets[e], subgraph.epsilons[e]});
       }
     }
     std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.epsilon < b.epsilon; });
     std::array<std::uint64_t, kSmall> reached;
-    std::uint64_t single = 0;  // not absorbed
+    std::uint64_t single = 0;  // those not absorbed
     for (Index node = 0; node < nodes; ++node) single |= reached[node] = std::uint64_t{1} << node;
     const auto has = [&](Index node, Index other) { return (reached[node] >> other & 1U) != 0; };
     for (const auto& [from, to, epsilon] : edges) {
@@ -253,7 +255,7 @@ class Merging {
         if (least == kNone) {
           least = node;
         } else {
-          absorbed_[part.faces[node]] = {part.faces[least], epsilon};
+          absorbed_[subgraph.firsts[node]] = {subgraph.firsts[least], epsilon};
           single ^= std::uint64_t{1} << node;
         }
       }
@@ -274,11 +276,11 @@ class Merging {
 
 MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress) {
   const std::vector<Absorbed> absorbed = Merging(bounded.map.outside(), progress).run(bounded);
-  // Of those at one epsilon the larger faces first: they may be absorbed by the lesser.
+  // At equal epsilon the larger nodes come first: a node is absorbed after what it has absorbed itself.
   std::vector<std::pair<double, Index>> order, later;
   order.reserve(absorbed.size());
-  for (Index f = bounded.map.outside() - 1; f >= 0; --f) {
-    if (absorbed[f].into != kNone) (absorbed[f].epsilon == 0.0 ? order : later).emplace_back(absorbed[f].epsilon, -f);
+  for (Index n = bounded.map.outside() - 1; n >= 0; --n) {
+    if (absorbed[n].into != kNone) (absorbed[n].epsilon == 0.0 ? order : later).emplace_back(absorbed[n].epsilon, -n);
   }
   tbb::parallel_sort(later.begin(), later.end());
   order.insert(order.end(), later.begin(), later.end());
@@ -286,10 +288,10 @@ MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress) {
   result.epsilon.reserve(order.size());
   result.first.reserve(order.size());
   result.second.reserve(order.size());
-  for (const auto& [epsilon, minusFace] : order) {
+  for (const auto& [epsilon, minusNode] : order) {
     result.epsilon.push_back(epsilon);
-    result.first.push_back(absorbed[-minusFace].into);
-    result.second.push_back(-minusFace);
+    result.first.push_back(absorbed[-minusNode].into);
+    result.second.push_back(-minusNode);
   }
   return result;
 }
@@ -297,7 +299,7 @@ MergeLevels mergeLevels(const ErrorBoundedMap& bounded, Progress& progress) {
 std::vector<double> persistenceOf(const MergeLevels& levels, const IndexSets& sets, double epsilon) {
   constexpr Index kSeveral = -2;
   std::vector<double> result(sets.count(), kNever);
-  std::vector<Index> holds = sets.setOf();  // with what each face has absorbed: the only Morse set, none, or several
+  std::vector<Index> holds = sets.setOf();  // per node, with all it has absorbed: the only set, kNone, or kSeveral
   for (std::size_t i = 0; i < levels.epsilon.size(); ++i) {
     Index& both = holds[levels.first[i]];
     const Index other = holds[levels.second[i]];

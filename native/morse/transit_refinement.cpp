@@ -1,11 +1,10 @@
 #include "morse/transit_refinement.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
+#include "base/error.h"
 #include "base/memory_limit.h"
 #include "base/message.h"
 #include "morse/detail/deadline.h"
@@ -14,14 +13,20 @@
 namespace stormfield {
 namespace {
 
-/// A set that keeps this part of its pieces and more after all of them were halved has lost hardly any.
+/// A set of nodes that keeps this fraction of them or more after its pieces were halved has lost hardly any.
 constexpr double kHardlyAny = 0.9;
-/// Levels beyond the last: for sets of so few nodes, which cost little (rings around weak spirals), and by hand.
-constexpr int kSmallSet = 500, kLevelsOfSmall = 6, kLevelsByHand = 4;
-/// Memory per node, of the map and the graph.
+/// Sets of at most so many nodes (rings around weak spirals) cost little and go so many levels beyond the last.
+constexpr int kSmallSet = 500, kLevelsOfSmall = 6;
+/// Sets that are refined by hand go so many levels beyond the last.
+constexpr int kLevelsByHand = 4;
+/// Estimated bytes per node, of the map and the graph.
 constexpr std::size_t kBytesPerNode = 200;
 
-/// Of each of so many nodes the set that it is in, or kNone.
+bool hardlyLess(std::size_t after, std::size_t before) {
+  return static_cast<double>(after) >= kHardlyAny * static_cast<double>(before);
+}
+
+/// Per node, of so many, the set that it is in, or kNone.
 std::vector<Index> setOfNodes(const std::vector<std::vector<Index>>& sets, Index count) {
   std::vector<Index> result(count, kNone);
   for (std::size_t s = 0; s < sets.size(); ++s) {
@@ -30,7 +35,8 @@ std::vector<Index> setOfNodes(const std::vector<std::vector<Index>>& sets, Index
   return result;
 }
 
-/// The members of the recurrent components, ascending; components by their first members.
+/// The nodes of the recurrent components, ascending; components by their first nodes. components: of the places in
+/// nodes.
 std::vector<std::vector<Index>> recurrentMembers(const Components& components, const std::vector<Index>& nodes) {
   std::vector<Index> number(components.count(), kNone);
   std::vector<std::vector<Index>> result;
@@ -48,16 +54,16 @@ std::vector<std::vector<Index>> recurrentMembers(const Components& components, c
   return result;
 }
 
-/// The faces that each set meets: those of its fixed points, and those that it flows through from piece to piece.
+/// The faces that each set meets: those of its fixed points, and those that a piece of it enters and leads on from.
 std::vector<std::vector<Index>> facesMet(const TransitMap& map, const CombinatorialMap& graph, const NodeSets& nodes) {
   std::vector<std::vector<Index>> result(nodes.count());
   for (Index s = 0; s < nodes.count(); ++s) {
     std::vector<Index>& faces = result[s];
     for (const Index node : nodes.members(s)) {
-      const bool goesOn = std::any_of(graph.graph.begin(node), graph.graph.end(node), [&](Index target) {
+      const bool leadsOn = std::any_of(graph.graph.begin(node), graph.graph.end(node), [&](Index target) {
         return target < static_cast<Index>(nodes.setOf().size()) && nodes.setOf(target) == s;
       });
-      if (goesOn) map.appendFaces(node, faces);
+      if (leadsOn) map.appendFaces(node, faces);
     }
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
@@ -65,41 +71,42 @@ std::vector<std::vector<Index>> facesMet(const TransitMap& map, const Combinator
   return result;
 }
 
-/// Parts the faces among the sets that meet them.
-FaceSets partFaces(const TransitMap& map, const NodeSets& nodes, const std::vector<std::vector<Index>>& covers) {
+/// Gives each face to one of the sets that meet it: to that with its interior node, else to the smallest.
+FaceSets assignFaces(const TransitMap& map, const NodeSets& nodes, const std::vector<std::vector<Index>>& facesMet) {
   const Index faceCount = map.mesh().faceCount();
-  std::vector<Index> setOf(faceCount, kNone), bySize(covers.size());
+  std::vector<Index> setOf(faceCount, kNone), bySize(facesMet.size());
   std::iota(bySize.begin(), bySize.end(), 0);
-  std::stable_sort(bySize.begin(), bySize.end(), [&](Index a, Index b) { return covers[a].size() < covers[b].size(); });
-  for (Index f = 0; f < faceCount; ++f) setOf[f] = nodes.setOf(f);  // whose node of rest it holds
+  std::stable_sort(bySize.begin(), bySize.end(),
+                   [&](Index a, Index b) { return facesMet[a].size() < facesMet[b].size(); });
+  for (Index f = 0; f < faceCount; ++f) setOf[f] = nodes.setOf(f);
   for (const Index s : bySize) {
-    for (const Index f : covers[s]) {
+    for (const Index f : facesMet[s]) {
       if (setOf[f] == kNone) setOf[f] = s;
     }
   }
   return {std::move(setOf), nodes.count()};
 }
 
-/// Whether sets can hold recurrence (recurrence.h): those with a fixed point, and those whose faces go around
-/// something.
-std::vector<char> canRecur(const TransitMap& map, const std::vector<std::vector<Index>>& members,
-                           const std::vector<std::vector<Index>>& covers) {
+/// Per set whether it can hold recurrence (recurrence.h): with a fixed point, or with essential curves in the faces
+/// that it meets. Sets may meet the same faces, so that as many as do not are looked at together.
+std::vector<char> setsThatRecur(const TransitMap& map, const std::vector<std::vector<Index>>& members,
+                                const std::vector<std::vector<Index>>& facesMet) {
   std::vector<char> result(members.size(), 0);
   std::vector<Index> left;
   for (std::size_t s = 0; s < members.size(); ++s) {
-    result[s] = map.isPiece(members[s].front()) ? 0 : 1;  // nodes of rest come first
+    result[s] = map.isPiece(members[s].front()) ? 0 : 1;  // interior nodes, of fixed points, have the lowest numbers
     if (result[s] == 0) left.push_back(static_cast<Index>(s));
   }
-  // All that are apart from each other at a time.
   while (!left.empty()) {
     std::vector<Index> setOf(map.mesh().faceCount(), kNone), now, later;
     for (const Index s : left) {
-      const bool apart = std::all_of(covers[s].begin(), covers[s].end(), [&](Index f) { return setOf[f] == kNone; });
-      if (!apart) {
+      const bool isApart =
+          std::all_of(facesMet[s].begin(), facesMet[s].end(), [&](Index f) { return setOf[f] == kNone; });
+      if (!isApart) {
         later.push_back(s);
         continue;
       }
-      for (const Index f : covers[s]) setOf[f] = static_cast<Index>(now.size());
+      for (const Index f : facesMet[s]) setOf[f] = static_cast<Index>(now.size());
       now.push_back(s);
     }
     const FaceSets sets(std::move(setOf), static_cast<Index>(now.size()));
@@ -110,13 +117,29 @@ std::vector<char> canRecur(const TransitMap& map, const std::vector<std::vector<
   return result;
 }
 
-bool isAtBoundary(const TriangleMesh& mesh, Index f) {
+/// Per component whether edges lead from it to others, and from others to it.
+struct ComponentOrder {
+  std::vector<char> hasSuccessor, hasPredecessor;
+
+  ComponentOrder(const DirectedGraph& graph, const Components& components)
+      : hasSuccessor(components.count(), 0), hasPredecessor(hasSuccessor) {
+    for (Index node = 0; node < graph.nodeCount(); ++node) {
+      const Index from = components.of[node];
+      for (const Index* t = graph.begin(node); t != graph.end(node); ++t) {
+        const Index to = components.of[*t];
+        if (from != to) hasSuccessor[from] = hasPredecessor[to] = 1;
+      }
+    }
+  }
+};
+
+bool hasBoundaryEdge(const TriangleMesh& mesh, Index f) {
   return mesh.twin(3 * f) == kNone || mesh.twin(3 * f + 1) == kNone || mesh.twin(3 * f + 2) == kNone;
 }
 
 std::shared_ptr<const ConeTransit> conesOf(const std::shared_ptr<const FlatFaces>& faces,
                                            const std::shared_ptr<const VectorField>& field,
-                                           const TransitOptions& options) {
+                                           const TransitRefinementOptions& options) {
   if (options.epsilon == 0.0) return nullptr;
   return std::make_shared<const ConeTransit>(faces, field, options.epsilon, options.weights);
 }
@@ -124,8 +147,8 @@ std::shared_ptr<const ConeTransit> conesOf(const std::shared_ptr<const FlatFaces
 }  // namespace
 
 TransitRefinement::TransitRefinement(const std::shared_ptr<const FlatFaces>& faces,
-                                     const std::shared_ptr<const VectorField>& field, const TransitOptions& options,
-                                     Progress* progress)
+                                     const std::shared_ptr<const VectorField>& field,
+                                     const TransitRefinementOptions& options, Progress* progress)
     : faces_(faces),
       field_(field),
       options_(options),
@@ -134,7 +157,7 @@ TransitRefinement::TransitRefinement(const std::shared_ptr<const FlatFaces>& fac
   findSets(progress);
 }
 
-TransitRefinement TransitRefinement::within(double epsilon, Progress* progress) const {
+TransitRefinement TransitRefinement::withinEpsilon(double epsilon, Progress* progress) const {
   TransitRefinement result = *this;
   if (epsilon == options_.epsilon) return result;
   result.options_.epsilon = epsilon;
@@ -149,35 +172,35 @@ void TransitRefinement::findSets(Progress* progress) {
   std::vector<Index> nodes(map_.outside());
   std::iota(nodes.begin(), nodes.end(), 0);
   nodes_ = recurrentMembers(stronglyConnectedComponents(map_.graphAmong(nodes, progress)), nodes);
-  trials_.assign(nodes_.size(), {});
-  ways_.clear();
+  states_.assign(nodes_.size(), {});
+  connecting_.reset();
   level_ = 0;
 }
 
-int TransitRefinement::levelsOf(Index set) const {
-  return options_.levels + (nodes_[set].size() <= kSmallSet ? kLevelsOfSmall : 0);
+int TransitRefinement::maxLevelOf(Index set) const {
+  return options_.maxLevel + (nodes_[set].size() <= kSmallSet ? kLevelsOfSmall : 0);
 }
 
-bool TransitRefinement::isOpen(Index set, int levels) const {
-  if (trials_[set].done) return false;
-  return std::any_of(nodes_[set].begin(), nodes_[set].end(), [&](Index node) { return isOpenPiece(node, levels); });
+bool TransitRefinement::canBeRefined(Index set, int maxLevel) const {
+  if (states_[set].done) return false;
+  return std::any_of(nodes_[set].begin(), nodes_[set].end(), [&](Index node) { return canBeHalved(node, maxLevel); });
 }
 
-bool TransitRefinement::isOpenPiece(Index node, int levels) const {
-  return !map_.isSettled(node) && map_.piece(node).level < levels;
+bool TransitRefinement::canBeHalved(Index node, int maxLevel) const {
+  return !map_.isSettled(node) && map_.piece(node).level < maxLevel;
 }
 
-bool TransitRefinement::fits() const {
+bool TransitRefinement::fitsIntoMemory() const {
   return kBytesPerNode * static_cast<std::size_t>(map_.outside()) < options_.memoryLimit.value_or(halfOfMemory()) / 2;
 }
 
 RefinementStop TransitRefinement::refine(Progress* progress) {
-  const Deadline deadline(options_.maximalSeconds, progress);
+  const Deadline deadline(options_.maxSeconds, progress);
   Progress* const watched = deadline.progress();
   while (true) {
     if (progress != nullptr && progress->cancelled()) return RefinementStop::Cancelled;
     if (deadline.isOver()) return RefinementStop::Time;
-    if (!fits()) return RefinementStop::Memory;
+    if (!fitsIntoMemory()) return RefinementStop::Memory;
     try {
       if (!round(watched)) return RefinementStop::Done;
     } catch (const Cancelled&) {
@@ -190,194 +213,215 @@ RefinementStop TransitRefinement::refine(Progress* progress) {
 bool TransitRefinement::round(Progress* progress) {
   std::vector<Index> chosen;
   for (Index s = 0; s < static_cast<Index>(nodes_.size()); ++s) {
-    if (trials_[s].halved || isOpen(s, levelsOf(s))) chosen.push_back(s);
+    if (states_[s].halved || canBeRefined(s, maxLevelOf(s))) chosen.push_back(s);
   }
-  if (chosen.empty()) return refineWays(progress);
-  if (progress != nullptr) progress->report(std::min(1.0, static_cast<double>(level_) / options_.levels));
+  if (chosen.empty()) return refineConnections(progress);
+  if (progress != nullptr) progress->report(std::min(1.0, static_cast<double>(level_) / options_.maxLevel));
   refineSets(chosen, 0, progress);
   ++level_;
   return true;
 }
 
 bool TransitRefinement::refineNodes(const std::vector<Index>& nodes, Progress* progress) {
-  const auto setsOf = [&] {
-    std::vector<Index> chosen;
-    for (Index s = 0; s < static_cast<Index>(nodes_.size()); ++s) {
-      const bool holds = std::any_of(nodes.begin(), nodes.end(), [&](Index node) {
-        return std::binary_search(nodes_[s].begin(), nodes_[s].end(), node);
-      });
-      if (holds) chosen.push_back(s);
-    }
-    return chosen;
+  const auto holdsSome = [&](const std::vector<Index>& set) {
+    return std::any_of(nodes.begin(), nodes.end(),
+                       [&](Index node) { return std::binary_search(set.begin(), set.end(), node); });
   };
   while (true) {
     std::vector<Index> chosen;
-    for (const Index s : setsOf()) {
-      trials_[s].done = false;
-      if (isOpen(s, levelsOf(s) + kLevelsByHand)) chosen.push_back(s);
+    for (Index s = 0; s < static_cast<Index>(nodes_.size()); ++s) {
+      if (!holdsSome(nodes_[s])) continue;
+      states_[s].done = false;
+      if (canBeRefined(s, maxLevelOf(s) + kLevelsByHand)) chosen.push_back(s);
     }
-    if (chosen.empty() || !fits()) return false;
+    if (chosen.empty() || !fitsIntoMemory()) return false;
     if (refineSets(chosen, kLevelsByHand, progress)) return true;
   }
 }
 
-/// Halves the pieces of some sets and finds what they split into; whether one lost more pieces than halving explains,
-/// or came apart.
-bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int more, Progress* progress) {
+/// Halves the pieces of some sets and replaces these by their components; whether one lost more pieces than halving
+/// explains, or all are gone.
+bool TransitRefinement::refineSets(const std::vector<Index>& chosen, int furtherLevels, Progress* progress) {
+  connecting_.reset();
+  halvePiecesOf(chosen, furtherLevels, progress);
+  return replaceByComponents(chosen, progress);
+}
+
+void TransitRefinement::halvePiecesOf(const std::vector<Index>& chosen, int furtherLevels, Progress* progress) {
   std::vector<Index> pieces, owner;
   for (const Index s : chosen) {
-    if (trials_[s].halved) continue;
-    const int levels = levelsOf(s) + more;
+    if (states_[s].halved) continue;
+    const int maxLevel = maxLevelOf(s) + furtherLevels;
     for (const Index node : nodes_[s]) {
-      if (!isOpenPiece(node, levels)) continue;
+      if (!canBeHalved(node, maxLevel)) continue;
       pieces.push_back(node);
       owner.push_back(s);
     }
   }
-  ways_.clear();
-  // The outside node moves on; nothing keeps it.
+  // The number of the outside node grows; no set has it.
   const Index before = map_.outside();
   const std::vector<std::size_t> halved = map_.halve(pieces, progress);
   for (std::size_t i = 0; i < halved.size(); ++i) {
     nodes_[owner[halved[i]]].push_back(before + static_cast<Index>(i));
   }
-  for (const Index s : chosen) trials_[s].halved = true;
+  for (const Index s : chosen) states_[s].halved = true;
+}
 
-  std::vector<Index> members, setOf(map_.outside(), kNone);
+bool TransitRefinement::replaceByComponents(const std::vector<Index>& chosen, Progress* progress) {
+  std::vector<Index> nodes, setOf(map_.outside(), kNone);
   for (const Index s : chosen) {
     for (const Index node : nodes_[s]) setOf[node] = s;
   }
   map_.eachNode([&](Index node) {
-    if (setOf[node] != kNone) members.push_back(node);
+    if (setOf[node] != kNone) nodes.push_back(node);
   });
-  std::vector<std::vector<Index>> parts =
-      recurrentMembers(stronglyConnectedComponents(map_.graphAmong(members, progress)), members);
+  std::vector<std::vector<Index>> components =
+      recurrentMembers(stronglyConnectedComponents(map_.graphAmong(nodes, progress)), nodes);
 
-  bool changed = false;
-  std::vector<std::vector<Index>> kept;
-  std::vector<Trial> trials;
+  bool changed = components.empty();
+  std::vector<std::vector<Index>> sets;
+  std::vector<SetState> states;
   for (Index s = 0; s < static_cast<Index>(nodes_.size()); ++s) {
     if (std::binary_search(chosen.begin(), chosen.end(), s)) continue;
-    kept.push_back(std::move(nodes_[s]));
-    trials.push_back(trials_[s]);
+    sets.push_back(std::move(nodes_[s]));
+    states.push_back(states_[s]);
   }
-  for (std::vector<Index>& part : parts) {
-    const Index parent = setOf[part.front()];
-    const bool hardlyAny = static_cast<double>(part.size()) >= kHardlyAny * static_cast<double>(nodes_[parent].size());
-    changed = changed || !hardlyAny;
-    Trial trial;
-    trial.kept = hardlyAny ? trials_[parent].kept + 1 : 0;
-    trial.done = trial.kept >= options_.patience;
-    kept.push_back(std::move(part));
-    trials.push_back(trial);
+  for (std::vector<Index>& component : components) {
+    const Index parent = setOf[component.front()];
+    const bool unchanged = hardlyLess(component.size(), nodes_[parent].size());
+    changed = changed || !unchanged;
+    SetState state;
+    state.unchanged = unchanged ? states_[parent].unchanged + 1 : 0;
+    state.done = state.unchanged >= options_.patience;
+    sets.push_back(std::move(component));
+    states.push_back(state);
   }
-  nodes_ = std::move(kept);
-  trials_ = std::move(trials);
-  return changed || parts.empty();
+  nodes_ = std::move(sets);
+  states_ = std::move(states);
+  return changed;
 }
 
-/// Halves the pieces on ways from one set that flow passes through to another; false when nothing is left. Sources and
-/// sinks do not matter here: their ways fill the surface.
-bool TransitRefinement::refineWays(Progress* progress) {
-  const std::vector<Index> setOf = setOfNodes(nodes_, map_.outside());
-  std::vector<Index> nodes;
-  std::vector<char> isOnWay(map_.outside(), ways_.empty() ? 1 : 0);
-  for (const Index node : ways_) isOnWay[node] = 1;
-  map_.eachNode([&](Index node) {
-    if (isOnWay[node] != 0) nodes.push_back(node);
-  });
-  const DirectedGraph graph = map_.graphAmong(nodes, progress);
+/// Halves the pieces on connections through intermediate sets; false when none is left to halve. Sources and sinks are
+/// not intermediate: their connections fill the surface.
+bool TransitRefinement::refineConnections(Progress* progress) {
+  const std::vector<Index> nodes = nodesOfConnections();
+  std::vector<Index> through = nodesThroughIntermediateSets(nodes, progress);
+  // An error bound widens connections, and smaller pieces then do not narrow them.
+  const bool narrows = !connecting_ || !hardlyLess(through.size(), nodes.size());
+  if (options_.epsilon > 0.0 && !narrows) return false;
 
-  std::vector<char> leads(nodes_.size(), ways_.empty() ? 0 : 1), isLedTo = leads;
+  const std::vector<Index> setOf = setOfNodes(nodes_, map_.outside());
+  std::vector<Index> pieces;
+  for (const Index node : through) {
+    if (setOf[node] == kNone && canBeHalved(node, options_.maxLevel)) pieces.push_back(node);
+  }
+  const Index halves = map_.outside();
+  map_.halve(pieces, progress);
+  for (Index node = halves; node < map_.outside(); ++node) through.push_back(node);
+  connecting_ = std::move(through);
+  return !pieces.empty();
+}
+
+/// The nodes that may be on connections, in the order of eachNode: those known from the last round, or all.
+std::vector<Index> TransitRefinement::nodesOfConnections() const {
+  std::vector<char> isConnecting(map_.outside(), connecting_ ? 0 : 1);
+  if (connecting_) {
+    for (const Index node : *connecting_) isConnecting[node] = 1;
+  }
+  std::vector<Index> nodes;
+  map_.eachNode([&](Index node) {
+    if (isConnecting[node] != 0) nodes.push_back(node);
+  });
+  return nodes;
+}
+
+/// Of these nodes those that an intermediate set leads to, and that lead to one; with the nodes of such sets.
+std::vector<Index> TransitRefinement::nodesThroughIntermediateSets(const std::vector<Index>& nodes,
+                                                                   Progress* progress) const {
+  const std::vector<Index> setOf = setOfNodes(nodes_, map_.outside());
+  const DirectedGraph graph = map_.graphAmong(nodes, progress);
+  // Of known connections, which lack the nodes before and after them, all sets are intermediate.
+  std::vector<char> hasSuccessor(nodes_.size(), connecting_ ? 1 : 0), hasPredecessor = hasSuccessor;
   for (Index i = 0; i < graph.nodeCount(); ++i) {
     const Index from = setOf[nodes[i]];
     for (const Index* t = graph.begin(i); t != graph.end(i); ++t) {
       const Index to = setOf[nodes[*t]];
       if (from == to) continue;
-      if (from != kNone) leads[from] = 1;
-      if (to != kNone) isLedTo[to] = 1;
+      if (from != kNone) hasSuccessor[from] = 1;
+      if (to != kNone) hasPredecessor[to] = 1;
     }
   }
-  const auto isPassed = [&](Index node) {
-    const Index s = setOf[node];
-    return s != kNone && leads[s] != 0 && isLedTo[s] != 0;
-  };
-  std::vector<Index> passed;
+  std::vector<Index> intermediate;
   for (Index i = 0; i < graph.nodeCount(); ++i) {
-    if (isPassed(nodes[i])) passed.push_back(i);
+    const Index s = setOf[nodes[i]];
+    if (s != kNone && hasSuccessor[s] != 0 && hasPredecessor[s] != 0) intermediate.push_back(i);
   }
-  const std::vector<char> after = reachable(graph, passed), before = reachable(reversed(graph), passed);
-
-  std::vector<Index> between, pieces;
-  const std::size_t all = nodes.size();
+  const std::vector<char> after = reachable(graph, intermediate), before = reachable(reversed(graph), intermediate);
+  std::vector<Index> result;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const Index node = nodes[i];
-    if (after[i] == 0 || before[i] == 0) continue;
-    between.push_back(node);
-    if (setOf[node] == kNone && isOpenPiece(node, options_.levels)) pieces.push_back(node);
+    if (after[i] != 0 && before[i] != 0) result.push_back(nodes[i]);
   }
-  // An error bound widens the ways, which smaller pieces then do not narrow.
-  const bool narrows = ways_.empty() || static_cast<double>(between.size()) < kHardlyAny * static_cast<double>(all);
-  if (options_.epsilon > 0.0 && !narrows) return false;
-  const Index halves = map_.outside();
-  map_.halve(pieces, progress);
-  for (Index node = halves; node < map_.outside(); ++node) between.push_back(node);
-  ways_ = std::move(between);
-  return !pieces.empty();
+  return result;
 }
 
-TransitDecomposition TransitRefinement::decomposition(bool keepEmpty, bool keepTrivial, Progress& progress) const {
-  TransitDecomposition result;
-  result.map = map_.map(&progress);
-  const DirectedGraph& graph = result.map.graph;
+/// Index and kind of a recurrent component with these nodes.
+MorseSet TransitRefinement::morseSetOf(const std::vector<Index>& nodes, bool hasPredecessor, bool hasSuccessor) const {
+  MorseSet set;
+  for (const Index node : nodes) {
+    if (map_.isPiece(node)) continue;
+    set.poincare += map_.faceTransit().poincare()[node];
+    set.upperBound = set.upperBound || (options_.epsilon > 0.0 && hasBoundaryEdge(map_.mesh(), node));
+  }
+  const int b0 = hasSuccessor ? 0 : 1, b2 = hasPredecessor ? 0 : 1;
+  set.index = matchPoincareSum({b0, std::max(0, b0 + b2 - set.poincare), b2}, set.poincare);
+  set.kind = kindOf(set.index);
+  return set;
+}
+
+MorseDecomposition TransitRefinement::decomposition(const CombinatorialMap& map, const KeptSets& kept,
+                                                    Progress& progress) const {
+  if (map.outside() != map_.outside()) {
+    throw InputError(message("the combinatorial map has ", map.outside(), " nodes, but the refinement has ",
+                             map_.outside(), "; take its own map"));
+  }
+  const DirectedGraph& graph = map.graph;
   const Components components = stronglyConnectedComponents(graph);
   progress.check();
-  std::vector<char> leads(components.count(), 0), isLedTo(components.count(), 0);
-  for (Index node = 0; node < graph.nodeCount(); ++node) {
-    const Index from = components.of[node];
-    for (const Index* t = graph.begin(node); t != graph.end(node); ++t) {
-      const Index to = components.of[*t];
-      if (from != to) leads[from] = isLedTo[to] = 1;
-    }
-  }
+  const ComponentOrder order(graph, components);
   std::vector<Index> nodes(map_.outside());
   std::iota(nodes.begin(), nodes.end(), 0);
   std::vector<std::vector<Index>> members = recurrentMembers(components, nodes);
-  const auto setsOf = [&] {
+  const auto nodeSets = [&] {
     return NodeSets(setOfNodes(members, graph.nodeCount()), static_cast<Index>(members.size()));
   };
-  std::vector<std::vector<Index>> covers = facesMet(map_, result.map, setsOf());
+  std::vector<std::vector<Index>> met = facesMet(map_, map, nodeSets());
   progress.check();
 
-  // Sets that count, with their indices, by their first faces.
-  const std::vector<char> recurs = keepEmpty ? std::vector<char>(members.size(), 1) : canRecur(map_, members, covers);
-  std::vector<MorseSet> found(members.size());
-  std::vector<Index> order;
+  // The sets that are kept, with their indices, by their first faces.
+  const std::vector<char> recurs =
+      kept.empty ? std::vector<char>(members.size(), 1) : setsThatRecur(map_, members, met);
+  std::vector<MorseSet> found;
+  std::vector<Index> chosen;
   for (std::size_t s = 0; s < members.size(); ++s) {
     const Index component = components.of[members[s].front()];
-    MorseSet& set = found[s];
-    for (const Index node : members[s]) {
-      if (map_.isPiece(node)) continue;
-      set.poincare += map_.faceTransit().poincare()[node];
-      set.upperBound = set.upperBound || (options_.epsilon > 0.0 && isAtBoundary(map_.mesh(), node));
-    }
-    const int b0 = leads[component] == 0 ? 1 : 0, b2 = isLedTo[component] == 0 ? 1 : 0;
-    set.index = agreeing({b0, std::max(0, b0 + b2 - set.poincare), b2}, set.poincare);
-    set.kind = kindOf(set.index);
-    if (recurs[s] != 0 && (keepTrivial || set.kind != MorseKind::Trivial)) order.push_back(static_cast<Index>(s));
+    found.push_back(morseSetOf(members[s], order.hasPredecessor[component] != 0, order.hasSuccessor[component] != 0));
+    const bool isKept = recurs[s] != 0 && (kept.trivial || found[s].kind != MorseKind::Trivial);
+    if (isKept) chosen.push_back(static_cast<Index>(s));
   }
-  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return covers[a].front() < covers[b].front(); });
-  std::vector<std::vector<Index>> chosenMembers;
-  for (const Index s : order) {
-    chosenMembers.push_back(std::move(members[s]));
-    result.morse.covers.push_back(std::move(covers[s]));
-    result.morse.sets.push_back(found[s]);
+  std::stable_sort(chosen.begin(), chosen.end(), [&](Index a, Index b) { return met[a].front() < met[b].front(); });
+
+  MorseDecomposition result;
+  std::vector<std::vector<Index>> keptMembers, keptMet;
+  for (const Index s : chosen) {
+    keptMembers.push_back(std::move(members[s]));
+    keptMet.push_back(std::move(met[s]));
+    result.sets.push_back(found[s]);
   }
-  members = std::move(chosenMembers);
-  result.nodes = setsOf();
-  result.morse.faces = partFaces(map_, result.nodes, result.morse.covers);
-  result.morse.mapEdges = graph.edgeCount();
-  result.morse.graph = morseConnectionGraph(result.map, components, result.nodes);
+  members = std::move(keptMembers);
+  result.withinFaces = SetsWithinFaces{nodeSets(), std::move(keptMet)};
+  result.faces = assignFaces(map_, result.withinFaces->nodes, result.withinFaces->facesMet);
+  result.mapEdges = graph.edgeCount();
+  result.graph = morseConnectionGraph(map, components, result.withinFaces->nodes);
   progress.report(1.0);
   return result;
 }

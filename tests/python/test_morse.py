@@ -247,7 +247,7 @@ def test_refuses_bad_options(nested):
         ({"refine": True, "tau": 1.0}, "'geometry' has no tau"),
         ({"method": "tau", "tau_max": 1.0}, "tau_max is for refinement"),
         ({"method": "tau", "refine": True, "tau_max": -1.0}, "tau"),
-        ({"method": "tau", "refine": True, "seconds": 0.0}, "limit of time"),
+        ({"method": "tau", "refine": True, "max_seconds": 0.0}, "limit of time"),
         ({"method": "tau", "tau": 0.1, "eps": 0.1}, "error bound needs the geometry-based map"),
         ({"method": "tau", "tau": -1.0}, "tau"),
         ({"method": "spatial", "tau": float("nan")}, "tau"),

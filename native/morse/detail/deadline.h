@@ -1,4 +1,7 @@
 // A limit of wall time for work that reports its progress.
+//
+//   const Deadline deadline(2.5, &progress);
+//   work(deadline.progress());      // throws Cancelled after 2.5 s, or when progress is cancelled
 #pragma once
 
 #include <algorithm>
@@ -11,13 +14,14 @@
 
 namespace stormfield {
 
-/// Cancels work when its time is over, or when the caller's progress is cancelled, to which it passes what is done.
+/// Cancels work when its seconds are over, or when the caller's progress is cancelled, to which it reports what is
+/// done.
 class Deadline {
  public:
-  Deadline(double seconds, Progress* caller) : caller_(caller) {
-    if (seconds == std::numeric_limits<double>::infinity()) return;
+  Deadline(double maxSeconds, Progress* caller) : caller_(caller) {
+    if (maxSeconds == std::numeric_limits<double>::infinity()) return;
     end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                              std::chrono::duration<double>(std::clamp(seconds, 0.0, kLongest)));
+                              std::chrono::duration<double>(std::clamp(maxSeconds, 0.0, kMaxSeconds)));
     watched_ = std::make_unique<Progress>();
     watcher_ = std::jthread([this](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
@@ -33,7 +37,7 @@ class Deadline {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr double kLongest = 1e9;
+  static constexpr double kMaxSeconds = 1e9;
 
   Progress* caller_;
   Clock::time_point end_{};

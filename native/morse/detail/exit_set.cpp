@@ -8,8 +8,8 @@
 namespace stormfield {
 namespace {
 
-/// F(N) less N without outside, ascending.
-std::vector<Index> ledTo(const CombinatorialMap& map, const FaceSets& sets, Index set) {
+/// The faces of F(N) that are not in N, ascending.
+std::vector<Index> facesBeyond(const CombinatorialMap& map, const FaceSets& sets, Index set) {
   std::vector<Index> result;
   for (const Index f : sets.members(set)) {
     for (const Index* t = map.graph.begin(f); t != map.graph.end(f); ++t) {
@@ -39,30 +39,30 @@ IndexPair edgePair(const VectorField& field, const FaceSets& sets, Index set, co
       if (twin == kNone) {
         pair.exits.push_back(boundaryExit(field, h));
       } else {
-        const bool left = std::binary_search(targets.begin(), targets.end(), TriangleMesh::face(twin));
-        pair.exits.push_back(left ? Exit::Whole : Exit::None);
+        const bool leaves = std::binary_search(targets.begin(), targets.end(), TriangleMesh::face(twin));
+        pair.exits.push_back(leaves ? Exit::Whole : Exit::None);
       }
     }
   }
   return pair;
 }
 
-/// The component across, near the end of an edge: that of the end, or where it has none, that of the other end.
+/// The component across the edge beside one of its ends: that of the end, or where it is 0, that of the other end.
 double across(Complex end, Complex otherEnd) {
   return end.imag() != 0.0 ? end.imag() : otherEnd.imag();
 }
 
-/// Whether a boundary edge is part exit, part entry, and the flow between them runs from the exit to the entry.
-bool grazesEdge(const VectorField& field, Index h) {
+/// Whether a boundary edge is crossed both ways, and at the sign change the flow runs from the exit to the entry.
+bool isInternallyTangent(const VectorField& field, Index h) {
   const auto [tail, head] = endVectors(field, h);
   if (tail.imag() * head.imag() >= 0.0) return false;
-  // The component along h where that across is 0, with the sign that turns "from exit to entry" into "negative".
+  // The component along h at the sign change, times the difference across: negative from exit to entry.
   return head.real() * tail.imag() - tail.real() * head.imag() < 0.0;
 }
 
-/// Whether flow passes from N to N through its corner at a vertex, the fan of that angle from halfedge `first` (which
-/// leaves the vertex) counter-clockwise to `last` (which ends there).
-bool grazesCorner(const VectorField& field, Index first, Index last, double angle) {
+/// Whether a trajectory inside N touches the boundary vertex of a fan of N. The fan of that angle goes
+/// counter-clockwise from halfedge `first`, which leaves the vertex, to `last`, which ends there.
+bool touchesReflexCorner(const VectorField& field, Index first, Index last, double angle) {
   if (angle <= std::numbers::pi) return false;
   const auto leaving = endVectors(field, first), arriving = endVectors(field, last);
   return across(leaving.tail, leaving.head) * across(arriving.head, arriving.tail) < 0.0;
@@ -71,11 +71,11 @@ bool grazesCorner(const VectorField& field, Index first, Index last, double angl
 }  // namespace
 
 IndexPair flowPair(const VectorField& field, const CombinatorialMap& map, const FaceSets& sets, Index set) {
-  return edgePair(field, sets, set, ledTo(map, sets, set));
+  return edgePair(field, sets, set, facesBeyond(map, sets, set));
 }
 
 IndexPair mapPair(const VectorField& field, const CombinatorialMap& map, const FaceSets& sets, Index set) {
-  const std::vector<Index> targets = ledTo(map, sets, set);
+  const std::vector<Index> targets = facesBeyond(map, sets, set);
   IndexPair pair = edgePair(field, sets, set, targets);
   pair.corners = Corners::Together;
   for (const Index f : targets) {
@@ -86,21 +86,21 @@ IndexPair mapPair(const VectorField& field, const CombinatorialMap& map, const F
   return pair;
 }
 
-int grazings(const VectorField& field, const FaceSets& sets, Index set) {
+int internalTangencies(const VectorField& field, const FaceSets& sets, Index set) {
   const TriangleMesh& mesh = field.mesh();
   const auto isInside = [&](Index h) { return h != kNone && sets.setOf(TriangleMesh::face(h)) == set; };
   int count = 0;
   for (const Index f : sets.members(set)) {
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       if (isInside(mesh.twin(h))) continue;
-      if (mesh.twin(h) == kNone) count += grazesEdge(field, h);
+      if (mesh.twin(h) == kNone) count += isInternallyTangent(field, h);
       if (!mesh.isBoundaryVertex(mesh.tail(h))) continue;
       Index last = TriangleMesh::prev(h);
       double angle = mesh.cornerAngle(h);
       for (; isInside(mesh.twin(last)); last = TriangleMesh::prev(mesh.twin(last))) {
         angle += mesh.cornerAngle(mesh.twin(last));
       }
-      count += grazesCorner(field, h, last, angle);
+      count += touchesReflexCorner(field, h, last, angle);
     }
   }
   return count;

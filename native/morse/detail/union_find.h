@@ -1,4 +1,10 @@
-// Classes of 0..n-1 that are joined step by step; each is named by its least member.
+// Disjoint classes of 0 .. n-1 that are joined step by step (union-find: Galler & Fischer 1964), each named by its
+// least member. Paths are halved as they are followed, so that n joins and finds take O(n log n) time at most (Tarjan &
+// van Leeuwen 1984).
+//
+//   UnionFind classes(4);
+//   classes.join(1, 3);     // true: they were two
+//   classes.find(3);        // 1
 #pragma once
 
 #include <numeric>

@@ -50,10 +50,10 @@ void RefinementOfGasEngine(benchmark::State& state) {
   if (!data) return state.SkipWithError("the data set is not at hand");
   const auto field = std::make_shared<const VectorField>(test::fieldOn(*data));
   const auto faces = std::make_shared<const FlatFaces>(field->charts);
-  RefinementOptions options;
+  TauRefinementOptions options;
   options.edgesMax = static_cast<double>(state.range(0));
   for (auto _ : state) {
-    MorseRefinement refinement(faces, field, options);
+    TauRefinement refinement(faces, field, options);
     refinement.refine();
     state.counters["sets"] = refinement.sets().count();
     state.counters["steps"] = refinement.steps();

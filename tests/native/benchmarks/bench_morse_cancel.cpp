@@ -46,14 +46,14 @@ void CancelMorse(benchmark::State& state, MorseMethod method, bool refine) {
   options.refine = refine;
   const auto work = [&](Progress& progress) { analyzeMorse(faces, field, options, progress); };
   constexpr int kTries = 20;
-  constexpr double kLongest = 0.8;
+  constexpr double kMaxSeconds = 0.8;
   for (auto _ : state) {
     Progress progress;
-    options.maximalSeconds = kLongest;
+    options.maxSeconds = kMaxSeconds;
     const auto began = Clock::now();
     work(progress);
     const double whole = seconds(Clock::now() - began);
-    options.maximalSeconds = std::numeric_limits<double>::infinity();
+    options.maxSeconds = std::numeric_limits<double>::infinity();
     double worst = 0.0, sum = 0.0;
     for (int i = 0; i < kTries; ++i) {
       const double time = timeToEnd(work, whole * (i + 0.5) / kTries);

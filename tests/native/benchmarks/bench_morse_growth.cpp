@@ -58,7 +58,7 @@ void TransitRefinementGrowth(benchmark::State& state) {
                  TransitRefinement refinement(engine.faces, engine.field);
                  refinement.refine();
                  Progress progress;
-                 benchmark::DoNotOptimize(refinement.decomposition(false, true, progress));
+                 benchmark::DoNotOptimize(refinement.decomposition(refinement.map().map(), {}, progress));
                  count = refinement.map().outside();
                }));
       nodes.add(engine.size(), count);

@@ -237,22 +237,26 @@ TEST(TransitMapOfAllFields, GrowsWithTheBound) {
   }
 }
 
-TransitDecomposition refined(const FieldPointer& field, double epsilon, int levels = 8) {
-  TransitRefinement refinement(flatFaces(*field), field, {.levels = levels, .epsilon = epsilon});
-  EXPECT_EQ(refinement.refine(), RefinementStop::Done);
+MorseDecomposition decomposed(const TransitRefinement& refinement, const KeptSets& kept = {}) {
   Progress progress;
-  return refinement.decomposition(false, true, progress);
+  return refinement.decomposition(refinement.map().map(), kept, progress);
+}
+
+MorseDecomposition refined(const FieldPointer& field, double epsilon, int levels = 8) {
+  TransitRefinement refinement(flatFaces(*field), field, {.maxLevel = levels, .epsilon = epsilon});
+  EXPECT_EQ(refinement.refine(), RefinementStop::Done);
+  return decomposed(refinement);
 }
 
 TEST(TransitRefinementOfAllFields, IsWhatTheMapOfAllPiecesAtOnceGives) {
   for (const Surface& s : {icosphere(0), torus(5, 4), annulus(9, 3)}) {
     const FieldPointer field = random(s, 4);
-    TransitRefinement refinement(flatFaces(*field), field, {.levels = 3, .epsilon = 0.05});
+    TransitRefinement refinement(flatFaces(*field), field, {.maxLevel = 3, .epsilon = 0.05});
     refinement.refine();
-    Progress progress;
-    const TransitDecomposition whole = refinement.decomposition(true, true, progress);
+    const MorseDecomposition whole = decomposed(refinement, {.empty = true});
+    const NodeSets& sets = whole.withinFaces->nodes;
     std::set<std::vector<Index>> bySteps(refinement.sets().begin(), refinement.sets().end()), atOnce;
-    for (Index set = 0; set < whole.nodes.count(); ++set) atOnce.insert(whole.nodes.members(set));
+    for (Index set = 0; set < sets.count(); ++set) atOnce.insert(sets.members(set));
     EXPECT_EQ(bySteps, atOnce);
   }
 }
@@ -261,7 +265,7 @@ TEST(TransitRefinementOfAllFields, IndicesSumToTheEulerCharacteristic) {
   for (const auto& [s, euler] : {std::pair{tetrahedron(), 2}, {icosphere(1), 2}, {torus(8, 6), 0}}) {
     for (const double epsilon : {1e-6, 0.01, 0.5}) {
       int sum = 0;
-      for (const MorseSet& set : refined(random(s, 3), epsilon, 2).morse.sets) {
+      for (const MorseSet& set : refined(random(s, 3), epsilon, 2).sets) {
         EXPECT_EQ(set.index.euler(), set.poincare);
         sum += set.poincare;
       }
@@ -272,27 +276,28 @@ TEST(TransitRefinementOfAllFields, IndicesSumToTheEulerCharacteristic) {
 
 TEST(TransitRefinementOfAllFields, BeyondAllSpeedsIsOneSet) {
   for (const auto& [s, euler] : {std::pair{icosphere(1), 2}, {torus(8, 6), 0}, {plateWithHoles(2, 1), -2}}) {
-    const TransitDecomposition found = refined(random(s, 3), 100.0);
-    ASSERT_EQ(found.morse.sets.size(), 1U);
-    EXPECT_EQ(found.morse.sets[0].index, (ConleyIndex{1, 2 - euler, 1}));
-    EXPECT_EQ(found.morse.covers[0].size(), static_cast<std::size_t>(s.triangles.rows()));
+    const MorseDecomposition found = refined(random(s, 3), 100.0);
+    ASSERT_EQ(found.sets.size(), 1U);
+    EXPECT_EQ(found.sets[0].index, (ConleyIndex{1, 2 - euler, 1}));
+    EXPECT_EQ(found.facesMet(0).size(), static_cast<std::size_t>(s.triangles.rows()));
   }
 }
 
 /// Whether the sets of a noisy field lie each in a set of the bound, and these keep the index of what is in them. That
 /// of sets with a fixed point at the surface's boundary is not kept: fixed points may leave over it.
-bool holds(const TransitDecomposition& noisy, const TransitDecomposition& bound) {
-  std::vector<int> poincare(bound.morse.sets.size(), 0);
-  for (std::size_t s = 0; s < noisy.morse.sets.size(); ++s) {
-    const std::vector<Index>& faces = noisy.morse.covers[s];
-    const auto in = std::find_if(bound.morse.covers.begin(), bound.morse.covers.end(), [&](const auto& cover) {
-      return std::includes(cover.begin(), cover.end(), faces.begin(), faces.end());
+bool holds(const MorseDecomposition& noisy, const MorseDecomposition& bound) {
+  std::vector<int> poincare(bound.sets.size(), 0);
+  for (std::size_t s = 0; s < noisy.sets.size(); ++s) {
+    const std::vector<Index>& faces = noisy.facesMet(static_cast<Index>(s));
+    const auto& met = bound.withinFaces->facesMet;
+    const auto in = std::find_if(met.begin(), met.end(), [&](const std::vector<Index>& around) {
+      return std::includes(around.begin(), around.end(), faces.begin(), faces.end());
     });
-    if (in == bound.morse.covers.end()) return false;
-    poincare[in - bound.morse.covers.begin()] += noisy.morse.sets[s].poincare;
+    if (in == met.end()) return false;
+    poincare[in - met.begin()] += noisy.sets[s].poincare;
   }
   for (std::size_t s = 0; s < poincare.size(); ++s) {
-    if (!bound.morse.sets[s].upperBound && poincare[s] != bound.morse.sets[s].poincare) return false;
+    if (!bound.sets[s].upperBound && poincare[s] != bound.sets[s].poincare) return false;
   }
   return true;
 }
@@ -304,13 +309,13 @@ TEST(TransitRefinementOfAllFields, HoldsUnderNoiseWhileTheFieldsOwnGraphsChange)
     const FieldPointer field = smooth(s);
     const int runs = isLong ? 100 : 2, levels = isLong ? 8 : 3;
     const double epsilon = 0.1 * meanSpeed(*field);
-    const TransitDecomposition bound = refined(field, epsilon, levels), own = refined(field, 0.0, levels);
+    const MorseDecomposition bound = refined(field, epsilon, levels), own = refined(field, 0.0, levels);
     Random numbers(12);
     int kept = 0, changed = 0;
     for (int run = 0; run < runs; ++run) {
-      const TransitDecomposition noisy = refined(disturbed(*field, epsilon, numbers), 0.0, levels);
+      const MorseDecomposition noisy = refined(disturbed(*field, epsilon, numbers), 0.0, levels);
       kept += holds(noisy, bound);
-      changed += noisy.morse.sets.size() != own.morse.sets.size();
+      changed += noisy.sets.size() != own.sets.size();
     }
     EXPECT_EQ(kept, runs);
     EXPECT_GE(changed, isLong ? 1 : 0);
@@ -326,12 +331,13 @@ TEST(TransitRefinementOfAllFields, AnalysisTakesEveryErrorBound) {
   options.refine = true;
   options.epsilon = 0.05;
   const MorseAnalysis found = analyzeMorse(faces, *field, options, progress);
-  EXPECT_EQ(found.epsilon, 0.05);
-  EXPECT_EQ(withSetRefined(faces, found, 0, progress).epsilon, 0.05);
-  const MorseAnalysis same = within(found, 0.05, true, progress), more = within(found, 100.0, true, progress);
-  EXPECT_EQ(same.decomposition.covers, found.decomposition.covers);
+  EXPECT_EQ(found.model->epsilon(), 0.05);
+  EXPECT_EQ(withSetRefined(faces, found, 0, progress).model->epsilon(), 0.05);
+  const MorseAnalysis same = withinEpsilon(found, 0.05, {}, progress);
+  const MorseAnalysis more = withinEpsilon(found, 100.0, {}, progress);
+  EXPECT_EQ(same.decomposition.withinFaces->facesMet, found.decomposition.withinFaces->facesMet);
   EXPECT_EQ(more.decomposition.sets.size(), 1U);
-  EXPECT_THROW(within(found, -1.0, true, progress), InputError);
+  EXPECT_THROW(withinEpsilon(found, -1.0, {}, progress), InputError);
   options.epsilon = -1.0;
   EXPECT_THROW(analyzeMorse(faces, *field, options, progress), InputError);
   options.epsilon = 0.05;
@@ -342,32 +348,33 @@ TEST(TransitRefinementOfAllFields, AnalysisTakesEveryErrorBound) {
 TEST(TransitRefinementOfAllFields, PersistenceIsWhereSetsMerge) {
   const FieldPointer field = random(icosphere(0), 5);
   Progress progress;
-  TransitRefinement refinement(flatFaces(*field), field, {.levels = 3});
+  TransitRefinement refinement(flatFaces(*field), field, {.maxLevel = 3});
   refinement.refine();
-  const TransitDecomposition found = refinement.decomposition(false, true, progress);
-  const std::vector<double> persistence = transitPersistence(refinement, found.nodes, progress);
+  const MorseDecomposition found = decomposed(refinement);
+  const NodeSets& nodes = found.withinFaces->nodes;
+  const std::vector<double> persistence = transitPersistence(refinement, nodes, progress);
   ASSERT_GT(persistence.size(), 1U);
   const auto isMerged = [&](Index set, double epsilon) {
-    const TransitRefinement within = refinement.within(epsilon);
-    for (const std::vector<Index>& nodes : within.sets()) {
+    const TransitRefinement bounded = refinement.withinEpsilon(epsilon);
+    for (const std::vector<Index>& merged : bounded.sets()) {
       const auto holds = [&](Index s) {
-        return std::binary_search(nodes.begin(), nodes.end(), found.nodes.members(s).front());
+        return std::binary_search(merged.begin(), merged.end(), nodes.members(s).front());
       };
       if (!holds(set)) continue;
-      for (Index other = 0; other < found.nodes.count(); ++other) {
+      for (Index other = 0; other < nodes.count(); ++other) {
         if (other != set && holds(other)) return true;
       }
     }
     return false;
   };
-  for (Index set = 0; set < found.nodes.count(); ++set) {
+  for (Index set = 0; set < nodes.count(); ++set) {
     ASSERT_TRUE(std::isfinite(persistence[set]));  // the surface is connected
     EXPECT_TRUE(isMerged(set, persistence[set]));
     constexpr double kFirstStep = 1e-5;  // smaller steps are not searched
     EXPECT_TRUE(persistence[set] < kFirstStep || !isMerged(set, persistence[set] / kPersistenceStep));
   }
   progress.cancel();
-  EXPECT_THROW(transitPersistence(refinement, found.nodes, progress), Cancelled);
+  EXPECT_THROW(transitPersistence(refinement, nodes, progress), Cancelled);
 }
 
 }  // namespace

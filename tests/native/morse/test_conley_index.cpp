@@ -158,7 +158,7 @@ TEST(ConleyIndex, UpperBoundsAgreeWithThePoincareSum) {
         possible = true;
         wanted = {std::max(wanted.b0, index.b0), std::max(wanted.b1, index.b1), std::max(wanted.b2, index.b2)};
       }
-      const ConleyIndex found = agreeing(bound, euler);
+      const ConleyIndex found = matchPoincareSum(bound, euler);
       if (possible) {
         EXPECT_EQ(found, wanted);
         continue;
@@ -170,10 +170,27 @@ TEST(ConleyIndex, UpperBoundsAgreeWithThePoincareSum) {
     }
   }
   // What is left of one face when a map misses where flow leaves it.
-  EXPECT_EQ(agreeing({0, 0, 0}, -1), (ConleyIndex{0, 1, 0}));
-  EXPECT_EQ(agreeing({1, 0, 0}, -1), (ConleyIndex{1, 2, 0}));
-  EXPECT_EQ(agreeing({0, 0, 0}, 1), (ConleyIndex{0, 0, 1}));
-  EXPECT_EQ(agreeing({0, 0, 0}, 2), (ConleyIndex{1, 0, 1}));
+  EXPECT_EQ(matchPoincareSum({0, 0, 0}, -1), (ConleyIndex{0, 1, 0}));
+  EXPECT_EQ(matchPoincareSum({1, 0, 0}, -1), (ConleyIndex{1, 2, 0}));
+  EXPECT_EQ(matchPoincareSum({0, 0, 0}, 1), (ConleyIndex{0, 0, 1}));
+  EXPECT_EQ(matchPoincareSum({0, 0, 0}, 2), (ConleyIndex{1, 0, 1}));
+}
+
+TEST(ConleyIndex, RefusesPairsThatDoNotFit) {
+  const auto mesh = makeMesh(grid(2)), other = makeMesh(grid(3));
+  const FaceSets sets({0, 0, kNone, kNone, kNone, kNone, kNone, kNone}, 1);
+  const IndexPair good{.exits = std::vector<Exit>(6, Exit::None)};
+  EXPECT_EQ(conleyIndex(*mesh, sets, 0, good), (ConleyIndex{1, 0, 0}));
+  expectFault<InputError>([&] { conleyIndex(*other, sets, 0, good); }, {"8 faces", "18", "same mesh"});
+  expectFault<InputError>([&] { conleyIndex(*mesh, sets, 1, good); }, {"no set 1"});
+  expectFault<InputError>([&] { conleyIndex(*mesh, sets, -1, good); }, {"no set -1"});
+  const IndexPair few{.exits = std::vector<Exit>(5, Exit::None)};
+  expectFault<InputError>([&] { conleyIndex(*mesh, sets, 0, few); }, {"5 exits", "2 faces", "three for each"});
+  IndexPair apart = good;
+  apart.exitVertices = {0};
+  expectFault<InputError>([&] { conleyIndex(*mesh, sets, 0, apart); }, {"exit vertices", "corners"});
+  IndexPair unsorted{good.exits, {3, 0}, Corners::Together};
+  expectFault<InputError>([&] { conleyIndex(*mesh, sets, 0, unsorted); }, {"ascend"});
 }
 
 // Against the ranks of the boundary matrices --------------------------------------------------------------------------

@@ -23,7 +23,7 @@ MorseDecomposition decomposed(const VectorField& field, double epsilon = 0.0, bo
   const ErrorBoundedMap bounded = errorBoundedMap(field, {});
   Progress progress;
   return morseDecomposition(field, mapWithinEpsilon(bounded, epsilon),
-                            {{}, fixedPointFacesWithinEpsilon(bounded, epsilon), keepEmpty}, progress);
+                            {{}, fixedPointFacesWithinEpsilon(bounded, epsilon), {.empty = keepEmpty}}, progress);
 }
 
 VectorField spaceField(const Surface& s, const std::function<Vec3(const Vec3&)>& function) {
@@ -58,7 +58,7 @@ int eulerSum(const MorseDecomposition& morse) {
 /// b0 - b1 + b2 is the Poincare sum inside each set.
 void expectPoincare(const MorseDecomposition& morse, const std::string& what) {
   for (const MorseSet& set : morse.sets) {
-    EXPECT_EQ(set.index.euler(), set.poincare - set.grazings) << what;
+    EXPECT_EQ(set.index.euler(), set.poincare - set.internalTangencies) << what;
     EXPECT_GE(set.index.b1, 0) << what;
   }
 }
@@ -87,7 +87,7 @@ TEST(MorseDecomposition, IndicesAreThePoincareSumsAlsoAtBoundaries) {
       expectPoincare(decomposed(randomField(charts, seed)), s.name + " seed " + std::to_string(seed));
       const MorseDecomposition all = decomposed(randomField(charts, seed), 0.0, true);
       expectPoincare(all, s.name + " all, seed " + std::to_string(seed));
-      for (const MorseSet& set : all.sets) seen += set.grazings;
+      for (const MorseSet& set : all.sets) seen += set.internalTangencies;
     }
   }
   EXPECT_GT(seen, 100) << "the boundary was hardly grazed";
@@ -375,7 +375,7 @@ TEST(MorseDecomposition, BoundsOfMapsThatMissEdgesStillAgreeWithThePoincareSum) 
       for (Index f = 0; f <= mesh.faceCount(); ++f) offsets.push_back(f < saddle ? 0 : targets.size());
       Progress progress;
       const MorseDecomposition morse =
-          morseDecomposition(field, map, {std::vector<char>(mesh.faceCount(), 1), {}, false}, progress);
+          morseDecomposition(field, map, {.mapped = std::vector<char>(mesh.faceCount(), 1)}, progress);
       ASSERT_EQ(morse.sets.size(), 1U);
       EXPECT_TRUE(morse.sets[0].upperBound);
       EXPECT_EQ(morse.sets[0].poincare, static_cast<int>(sign));
@@ -390,11 +390,8 @@ TEST(MorseDecomposition, RefusesWhatDoesNotFit) {
   Progress progress;
   expectFault<InputError>([&] { morseDecomposition(field, other, {}, progress); }, {"32 faces", "18", "same mesh"});
   const std::vector<char> few(4, 1);
-  expectFault<InputError>(
-      [&] {
-        morseDecomposition(field, geometryMap(field), {few, {}, false}, progress);
-      },
-      {"mapped", "4 faces"});
+  expectFault<InputError>([&] { morseDecomposition(field, geometryMap(field), {.mapped = few}, progress); },
+                          {"mapped", "4 faces"});
   progress.cancel();
   EXPECT_THROW(morseDecomposition(field, geometryMap(field), {}, progress), Cancelled);
 }

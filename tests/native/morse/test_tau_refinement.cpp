@@ -62,10 +62,10 @@ std::shared_ptr<const VectorField> turn() {
 /// once.
 class Recomputation {
  public:
-  Recomputation(const VectorField& field, const RefinementOptions& options, const std::vector<double>& taus)
+  Recomputation(const VectorField& field, const TauRefinementOptions& options, const std::vector<double>& taus)
       : field_(field),
         taus_(taus),
-        resting_(fixedPointFaces(field)),
+        fixedPointFaces_(fixedPointFaces(field)),
         flat_(field.charts),
         flow_(flat_, field, options.map.unit, options.map.tolerance) {
     const CombinatorialMap geometry = geometryMap(field);
@@ -96,7 +96,7 @@ class Recomputation {
     }
     const CombinatorialMap map = mapFromRows(inside);
     const FaceSets parts = recurrentSets(map, stronglyConnectedComponents(map.graph));
-    const std::vector<char> recurs = canRecur(field_.mesh(), parts, resting_);
+    const std::vector<char> recurs = canRecur(field_.mesh(), parts, fixedPointFaces_);
     std::vector<Index> setOf(rows_.size(), kNone);
     std::vector<Chain> chains;
     for (Index s = 0; s < parts.count(); ++s) {
@@ -140,7 +140,7 @@ class Recomputation {
 
   const VectorField& field_;
   const std::vector<double>& taus_;
-  std::vector<char> resting_;
+  std::vector<char> fixedPointFaces_;
   FlatFaces flat_;
   PreparedFlow flow_;
   std::vector<Index> order_;
@@ -149,8 +149,8 @@ class Recomputation {
   std::vector<Chain> chains_;
 };
 
-void expectRecomputation(const VectorField& field, const RefinementOptions& options,
-                         const MorseRefinement& refinement) {
+void expectRecomputation(const VectorField& field, const TauRefinementOptions& options,
+                         const TauRefinement& refinement) {
   const Recomputation again(field, options, refinement.taus());
   const CombinatorialMap map = refinement.map(), expected = mapFromRows(again.rows());
   EXPECT_EQ(refinement.sets().setOf(), again.sets().setOf());
@@ -167,20 +167,20 @@ TEST_P(RefinementOnSurfaces, IsWhatARecomputationAtItsTausGives) {
     const auto field = std::make_shared<const VectorField>(randomField(makeCharts(GetParam().surface), seed));
     const auto faces = flatFaces(*field);
     for (const TauUnit unit : {TauUnit::Time, TauUnit::Length}) {
-      RefinementOptions options;
+      TauRefinementOptions options;
       options.map.unit = unit;
       options.tauMin = startingTau(*field, unit, 0.3);
       options.tauMax = 4.5 * *options.tauMin;
-      MorseRefinement whole(faces, field, options);
+      TauRefinement whole(faces, field, options);
       EXPECT_EQ(whole.refine(), RefinementStop::Done);
       expectRecomputation(*field, options, whole);
 
       options.maxSteps = 3;
-      MorseRefinement limited(faces, field, options);
+      TauRefinement limited(faces, field, options);
       limited.refine();
       expectRecomputation(*field, options, limited);
 
-      MorseRefinement byHand(faces, field, options);
+      TauRefinement byHand(faces, field, options);
       for (int i = 0; i < 6 && byHand.sets().count() > 0; ++i) byHand.refineSet((5 * i + 3) % byHand.sets().count());
       expectRecomputation(*field, options, byHand);
     }
@@ -197,7 +197,7 @@ TEST(Refinement, PartsOfTheGasEngineDoNotDependOnTheOrder) {
   if (!data) GTEST_SKIP() << "the data set gasEngineV.t is not at hand";
   const auto field = std::make_shared<const VectorField>(fieldOn(*data));
   const auto faces = flatFaces(*field);
-  const MorseRefinement start(faces, field);
+  const TauRefinement start(faces, field);
   std::vector<Index> small;  // first faces of sets
   for (Index s = 0; s < start.sets().count() && small.size() < 6; ++s) {
     const auto& members = start.sets().members(s);
@@ -205,11 +205,11 @@ TEST(Refinement, PartsOfTheGasEngineDoNotDependOnTheOrder) {
   }
   ASSERT_GT(small.size(), 2u);
   const auto refined = [&](const std::vector<Index>& order) {
-    MorseRefinement refinement = start;
+    TauRefinement refinement = start;
     for (const Index f : order) refinement.refineSet(refinement.sets().setOf(f));
     return refinement;
   };
-  const MorseRefinement one = refined(small), other = refined({small.rbegin(), small.rend()});
+  const TauRefinement one = refined(small), other = refined({small.rbegin(), small.rend()});
   EXPECT_EQ(one.taus(), other.taus());
   EXPECT_EQ(one.sets().setOf(), other.sets().setOf());
   EXPECT_EQ(one.map().graph.targets, other.map().graph.targets);
@@ -218,7 +218,7 @@ TEST(Refinement, PartsOfTheGasEngineDoNotDependOnTheOrder) {
 
 TEST(Refinement, SetsStayWithinThoseTheyComeFrom) {
   const auto field = std::make_shared<const VectorField>(randomField(makeCharts(icosphere(2)), 8));
-  MorseRefinement refinement(flatFaces(*field), field, {.edgesMin = 1.0});
+  TauRefinement refinement(flatFaces(*field), field, {.edgesMin = 1.0});
   for (int i = 0; i < 3; ++i) {
     const FaceSets before = refinement.sets();
     if (!refinement.round()) break;
@@ -232,7 +232,7 @@ TEST(Refinement, SetsStayWithinThoseTheyComeFrom) {
 
 TEST(Refinement, SeparatesASaddleFromItsSinks) {
   const auto field = twoSinks(24);
-  MorseRefinement refinement(flatFaces(*field), field);
+  TauRefinement refinement(flatFaces(*field), field);
   refinement.refine();
   int sinks = 0, saddles = 0;
   for (const MorseSet& set : refinement.indices()) {
@@ -246,7 +246,7 @@ TEST(Refinement, SeparatesASaddleFromItsSinks) {
 TEST(Refinement, IndicesAgreeWithThePoincareSumsUpToVeryLargeTau) {
   for (const double edgesMax : {64.0, 512.0}) {
     const auto field = twoSinks(16);
-    MorseRefinement refinement(flatFaces(*field), field, {.edgesMax = edgesMax});
+    TauRefinement refinement(flatFaces(*field), field, {.edgesMax = edgesMax});
     refinement.refine();
     for (const MorseSet& set : refinement.indices()) EXPECT_EQ(set.index.euler(), set.poincare) << edgesMax;
   }
@@ -254,21 +254,21 @@ TEST(Refinement, IndicesAgreeWithThePoincareSumsUpToVeryLargeTau) {
 
 TEST(Refinement, KeepsLimits) {
   const auto field = twoSinks(14);
-  MorseRefinement none(flatFaces(*field), field, {.maxSteps = 0});
+  TauRefinement none(flatFaces(*field), field, {.maxSteps = 0});
   EXPECT_EQ(none.refine(), RefinementStop::Steps);
   EXPECT_EQ(none.steps(), 0);
-  MorseRefinement instant(flatFaces(*field), field, {.maximalSeconds = 0.0});
+  TauRefinement instant(flatFaces(*field), field, {.maxSeconds = 0.0});
   EXPECT_EQ(instant.refine(), RefinementStop::Time);
-  MorseRefinement bounded(flatFaces(*field), field, {.tauMin = 0.1, .tauMax = 0.5});
+  TauRefinement bounded(flatFaces(*field), field, {.tauMin = 0.1, .tauMax = 0.5});
   bounded.refine();
   for (const double tau : bounded.taus()) EXPECT_LE(tau, 0.5);
 }
 
 TEST(Refinement, KeepsTheMemoryLimit) {
   const auto field = twoSinks(14);
-  RefinementOptions options;
+  TauRefinementOptions options;
   options.map.memoryLimit = 1000;
-  MorseRefinement refinement(flatFaces(*field), field, options);
+  TauRefinement refinement(flatFaces(*field), field, options);
   const auto before = refinement.sets().setOf();
   EXPECT_EQ(refinement.refine(), RefinementStop::Memory);
   EXPECT_EQ(refinement.steps(), 0);
@@ -279,7 +279,7 @@ TEST(Refinement, KeepsTheMemoryLimit) {
 TEST(Refinement, HoldsEveryFixedPointAtEveryTau) {
   for (const double edgesMax : {4.0, 16.0}) {
     const auto field = std::make_shared<const VectorField>(randomField(makeCharts(icosphere(1)), 3));
-    MorseRefinement refinement(flatFaces(*field), field, {.edgesMax = edgesMax});
+    TauRefinement refinement(flatFaces(*field), field, {.edgesMax = edgesMax});
     refinement.refine();
     const std::vector<int> poincare = poincareIndices(*field);
     for (std::size_t f = 0; f < poincare.size(); ++f) {
@@ -290,34 +290,31 @@ TEST(Refinement, HoldsEveryFixedPointAtEveryTau) {
   }
 }
 
-TEST(Refinement, StopsSoonAfterCancel) {
+TEST(Refinement, StopsInTheMiddleOfARoundWhenCancelled) {
+  // How soon: bench_morse_cancel.
   const auto field = turn();
-  MorseRefinement refinement(flatFaces(*field), field);
-  TransitRefinement transits(flatFaces(*field), field, {.levels = 30, .patience = 30});
-  const auto latency = [](auto& work) {
-    using Clock = std::chrono::steady_clock;
+  TauRefinement refinement(flatFaces(*field), field);
+  TransitRefinement transits(flatFaces(*field), field, {.maxLevel = 30, .patience = 30});
+  const auto refineAndCancel = [](auto& work) {
     Progress progress;
-    Clock::time_point cancelled;
     std::thread watcher([&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(30));
-      cancelled = Clock::now();
       progress.cancel();
     });
-    EXPECT_EQ(work.refine(&progress), RefinementStop::Cancelled);
-    const auto end = Clock::now();
+    const RefinementStop stop = work.refine(&progress);
     watcher.join();
-    return std::chrono::duration<double>(end - cancelled).count();
+    return stop;
   };
-  // Asked is 0.1 s; sanitizers and other work on the machine take their part.
-  EXPECT_LT(latency(refinement), 1.0);
-  EXPECT_LT(latency(transits), 1.0);
+  EXPECT_EQ(refineAndCancel(refinement), RefinementStop::Cancelled);
+  EXPECT_EQ(refinement.steps(), 0);
+  EXPECT_EQ(refineAndCancel(transits), RefinementStop::Cancelled);
 }
 
 TEST(Refinement, CancelLeavesCompleteRounds) {
   const auto field = twoSinks(20);
   const auto faces = flatFaces(*field);
   for (const int microseconds : {0, 300, 1000, 3000, 10000}) {
-    MorseRefinement refinement(faces, field);
+    TauRefinement refinement(faces, field);
     Progress progress;
     std::thread watcher([&] {
       std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
@@ -325,7 +322,7 @@ TEST(Refinement, CancelLeavesCompleteRounds) {
     });
     refinement.refine(&progress);
     watcher.join();
-    MorseRefinement rounds(faces, field);
+    TauRefinement rounds(faces, field);
     while (rounds.steps() < refinement.steps()) rounds.round();
     EXPECT_EQ(rounds.sets().setOf(), refinement.sets().setOf()) << microseconds;
     EXPECT_EQ(rounds.taus(), refinement.taus()) << microseconds;
@@ -335,18 +332,17 @@ TEST(Refinement, CancelLeavesCompleteRounds) {
 
 TEST(Refinement, StopsInTheMiddleOfARoundWhenTheTimeIsOver) {
   const auto field = turn();
-  MorseRefinement refinement(flatFaces(*field), field, {.maximalSeconds = 0.05});
-  const auto begin = std::chrono::steady_clock::now();
+  TauRefinement refinement(flatFaces(*field), field, {.maxSeconds = 0.05});
   EXPECT_EQ(refinement.refine(), RefinementStop::Time);
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 2.0);
+  EXPECT_EQ(refinement.steps(), 0);
   EXPECT_EQ(refinement.sets().count(), 1);
 }
 
 TEST(Refinement, RefinesOneSetByHand) {
   const auto field = twoSinks(24);
-  MorseRefinement refinement(flatFaces(*field), field);
+  TauRefinement refinement(flatFaces(*field), field);
   ASSERT_GT(refinement.sets().count(), 0);
-  const MorseRefinement copy = refinement;
+  const TauRefinement copy = refinement;
   Index largest = 0;
   for (Index s = 0; s < refinement.sets().count(); ++s) {
     if (refinement.sets().members(s).size() > refinement.sets().members(largest).size()) largest = s;
@@ -360,7 +356,7 @@ TEST(Refinement, RefinesOneSetByHand) {
   Progress cancelled;
   cancelled.cancel();
   const auto before = copy.sets().setOf();
-  MorseRefinement again = copy;
+  TauRefinement again = copy;
   EXPECT_THROW(again.refineSet(largest, &cancelled), Cancelled);
   EXPECT_EQ(again.sets().setOf(), before);
 }
@@ -368,13 +364,13 @@ TEST(Refinement, RefinesOneSetByHand) {
 TEST(Refinement, ZeroFieldsAndSingleTrianglesAreLeftAsTheyAre) {
   for (const Surface& s : {surface({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), grid(3), severalComponents()}) {
     const auto field = std::make_shared<const VectorField>(zeroField(makeCharts(s)));
-    MorseRefinement refinement(flatFaces(*field), field);
+    TauRefinement refinement(flatFaces(*field), field);
     EXPECT_EQ(refinement.refine(), RefinementStop::Done);
     EXPECT_EQ(refinement.steps(), 0);
   }
   const auto field = twoSinks(6);
-  EXPECT_THROW(MorseRefinement(flatFaces(*field), field, {.tauMin = -1.0}), InputError);
-  EXPECT_THROW(MorseRefinement(flatFaces(*field), field, {.tauMax = 0.0}), InputError);
+  EXPECT_THROW(TauRefinement(flatFaces(*field), field, {.tauMin = -1.0}), InputError);
+  EXPECT_THROW(TauRefinement(flatFaces(*field), field, {.tauMax = 0.0}), InputError);
 }
 
 TEST(Refinement, PriorityIsTheFacesTimesTheDistanceFromTheBasicIndices) {

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "checks.h"
 #include "data_sets.h"
 #include "fixtures.h"
 #include "long_tests.h"
@@ -54,11 +55,21 @@ std::map<std::string, int> kinds(const MorseDecomposition& morse) {
   return result;
 }
 
-TransitDecomposition refined(const FieldPointer& field, const TransitOptions& options = {}, bool keepEmpty = false) {
+/// The Morse sets of a refinement, and its map.
+struct Refined {
+  CombinatorialMap map;
+  MorseDecomposition morse;
+
+  Refined(const TransitRefinement& refinement, const KeptSets& kept) : map(refinement.map().map()) {
+    Progress progress;
+    morse = refinement.decomposition(map, kept, progress);
+  }
+};
+
+Refined refined(const FieldPointer& field, const TransitRefinementOptions& options = {}, const KeptSets& kept = {}) {
   TransitRefinement refinement(flatFaces(*field), field, options);
   EXPECT_EQ(refinement.refine(), RefinementStop::Done);
-  Progress progress;
-  return refinement.decomposition(keepEmpty, true, progress);
+  return {refinement, kept};
 }
 
 TEST(TransitMap, HoldsWhereTrajectoriesLeaveFaces) {
@@ -112,12 +123,12 @@ TEST(TransitMap, HoldsWhereTrajectoriesLeaveFaces) {
 TEST(TransitRefinement, IsWhatTheMapOfAllPiecesAtOnceGives) {
   for (const Surface& s : {icosphere(1), torus(8, 6), annulus(9, 3), severalComponents()}) {
     const FieldPointer field = random(s, 4);
-    TransitRefinement refinement(flatFaces(*field), field, {.levels = 4});
+    TransitRefinement refinement(flatFaces(*field), field, {.maxLevel = 4});
     refinement.refine();
-    Progress progress;
-    const TransitDecomposition whole = refinement.decomposition(true, true, progress);
+    const Refined whole(refinement, {.empty = true});
+    const NodeSets& sets = whole.morse.withinFaces->nodes;
     std::set<std::vector<Index>> bySteps(refinement.sets().begin(), refinement.sets().end()), atOnce;
-    for (Index set = 0; set < whole.nodes.count(); ++set) atOnce.insert(whole.nodes.members(set));
+    for (Index set = 0; set < sets.count(); ++set) atOnce.insert(sets.members(set));
     EXPECT_EQ(bySteps, atOnce);
   }
 }
@@ -129,13 +140,14 @@ TEST(TransitRefinement, HoldsEveryFixedPointAndSumsToTheEulerCharacteristic) {
                                            {"genus 2", plateWithHoles(2), -2}};
   for (const auto& [what, s, euler] : surfaces) {
     const FieldPointer field = random(s, 3);
-    const TransitDecomposition found = refined(field, {.levels = 4});
+    const Refined found = refined(field, {.maxLevel = 4});
     int sum = 0;
     std::set<Index> covered;
     for (std::size_t i = 0; i < found.morse.sets.size(); ++i) {
       EXPECT_EQ(found.morse.sets[i].index.euler(), found.morse.sets[i].poincare) << what;
       sum += found.morse.sets[i].poincare;
-      covered.insert(found.morse.covers[i].begin(), found.morse.covers[i].end());
+      const std::vector<Index>& faces = found.morse.facesMet(static_cast<Index>(i));
+      covered.insert(faces.begin(), faces.end());
     }
     EXPECT_EQ(sum, euler) << what;
     const FaceTransit transit(flatFaces(*field), field);
@@ -168,7 +180,7 @@ TEST(TransitRefinement, PartsAPairInsideFaces) {
     const double u = a * a - (x - 0.02) * (x - 0.02), v = -0.2 * (y + 0.01);
     return Vec3(u - 0.3 * v, v + 0.3 * u, 0.0);
   });
-  const auto found = kinds(refined(field, {.levels = 10}).morse);
+  const auto found = kinds(refined(field, {.maxLevel = 10}).morse);
   EXPECT_EQ(found.count("saddle"), 1U);
   EXPECT_EQ(found.count("sink"), 1U);
 }
@@ -231,20 +243,20 @@ TEST(TransitRefinement, FindsTheCenterOfAWeakSpiral) {
   for (const double decay : {0.1, 0.04}) {
     const FieldPointer field =
         planar(grid(10, 0.2), [&](double x, double y) { return Vec3(-y - decay * x, x - decay * y, 0.0); });
-    const TransitDecomposition found = refined(field, {}, true);
+    const Refined found = refined(field, {}, {.empty = true});
     ASSERT_EQ(found.morse.sets.size(), 1U) << decay;
     EXPECT_EQ(found.morse.sets[0].kind, MorseKind::Sink) << decay;
-    EXPECT_LT(found.morse.covers[0].size(), 30U) << decay;
+    EXPECT_LT(found.morse.facesMet(0).size(), 30U) << decay;
   }
 }
 
 TEST(TransitRefinement, DoesNotDependOnThreads) {
   const FieldPointer field = random(icosphere(1), 5);
-  const TransitDecomposition all = refined(field);
+  const Refined all = refined(field);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const TransitDecomposition alone = refined(field);
+  const Refined alone = refined(field);
   EXPECT_EQ(all.map.graph.targets, alone.map.graph.targets);
-  EXPECT_EQ(all.morse.covers, alone.morse.covers);
+  EXPECT_EQ(all.morse.withinFaces->facesMet, alone.morse.withinFaces->facesMet);
   EXPECT_EQ(all.morse.graph.edges, alone.morse.graph.edges);
 }
 
@@ -262,15 +274,24 @@ TEST(TransitRefinement, CancelAndLimitsLeaveAValidDecomposition) {
     refinement.refine(&watched);
     watcher.join();
     int sum = 0;
-    for (const MorseSet& set : refinement.decomposition(false, true, progress).morse.sets) sum += set.poincare;
+    for (const MorseSet& set : Refined(refinement, {}).morse.sets) sum += set.poincare;
     EXPECT_EQ(sum, 2) << microseconds;
     // And it can go on.
     EXPECT_EQ(refinement.refine(), RefinementStop::Done);
   }
-  TransitRefinement instant(faces, field, {.maximalSeconds = 0.0});
+  TransitRefinement instant(faces, field, {.maxSeconds = 0.0});
   EXPECT_EQ(instant.refine(), RefinementStop::Time);
   TransitRefinement small(faces, field, {.memoryLimit = 1000});
   EXPECT_EQ(small.refine(), RefinementStop::Memory);
+}
+
+TEST(TransitRefinement, RefusesTheMapOfOtherPieces) {
+  const FieldPointer field = random(icosphere(0), 2);
+  TransitRefinement refinement(flatFaces(*field), field, {.maxLevel = 2});
+  const CombinatorialMap before = refinement.map().map();
+  refinement.refine();
+  Progress progress;
+  expectFault<InputError>([&] { refinement.decomposition(before, {}, progress); }, {"nodes", "its own map"});
 }
 
 TEST(TransitRefinement, ClosedOrbitsEverywhereEnd) {
@@ -278,7 +299,7 @@ TEST(TransitRefinement, ClosedOrbitsEverywhereEnd) {
   Points vectors(s.points.rows(), 3);
   for (Eigen::Index v = 0; v < vectors.rows(); ++v) vectors.row(v) = Vec3(-s.points(v, 1), s.points(v, 0), 0.0);
   const auto field = std::make_shared<const VectorField>(fromSpace(makeCharts(s), vectors));
-  TransitRefinement refinement(flatFaces(*field), field, {.levels = 20});
+  TransitRefinement refinement(flatFaces(*field), field, {.maxLevel = 20});
   EXPECT_EQ(refinement.refine(), RefinementStop::Done);
   EXPECT_LT(refinement.map().pieceCount(), 100000);
 }
@@ -286,14 +307,14 @@ TEST(TransitRefinement, ClosedOrbitsEverywhereEnd) {
 TEST(TransitRefinement, DegenerateFields) {
   for (const Surface& s : {surface({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), grid(3), severalComponents()}) {
     const auto zero = std::make_shared<const VectorField>(zeroField(makeCharts(s)));
-    const TransitDecomposition found = refined(zero, {.levels = 3});
+    const Refined found = refined(zero, {.maxLevel = 3});
     std::set<Index> covered;
-    for (const auto& cover : found.morse.covers) covered.insert(cover.begin(), cover.end());
+    for (const auto& faces : found.morse.withinFaces->facesMet) covered.insert(faces.begin(), faces.end());
     EXPECT_EQ(covered.size(), static_cast<std::size_t>(zero->mesh().faceCount()));
   }
   for (const auto& [s, euler] : {std::pair{tetrahedron(), 2}, {icosphere(1), 2}, {torus(8, 6), 0}}) {
     const auto field = std::make_shared<const VectorField>(randomIntegerField(makeCharts(s), 2));
-    const TransitDecomposition found = refined(field, {.levels = 3});
+    const Refined found = refined(field, {.maxLevel = 3});
     int sum = 0;
     for (const MorseSet& set : found.morse.sets) sum += set.poincare;
     EXPECT_EQ(sum, euler);
@@ -347,12 +368,12 @@ TEST(TransitRefinement, AnalysisRefinesASetByHandAndFindsWhatLiesBetween) {
   options.refine = true;
   const auto faces = flatFaces(*field);
   const MorseAnalysis found = analyzeMorse(faces, *field, options, progress);
-  EXPECT_EQ(found.stop, RefinementStop::Done);
+  EXPECT_EQ(found.model->stop(), RefinementStop::Done);
   ASSERT_FALSE(found.decomposition.graph.edges.empty());
   const auto [from, to] = found.decomposition.graph.edges.front();
-  for (const Index f : connectionFaces(found, from, to)) {
-    EXPECT_FALSE(
-        std::binary_search(found.decomposition.covers[from].begin(), found.decomposition.covers[from].end(), f));
+  for (const Index f : facesBetween(found, from, to)) {
+    const std::vector<Index>& met = found.decomposition.facesMet(from);
+    EXPECT_FALSE(std::binary_search(met.begin(), met.end(), f));
   }
   for (Index set = 0; set < found.decomposition.faces.count(); ++set) {
     const MorseAnalysis finer = withSetRefined(faces, found, set, progress);

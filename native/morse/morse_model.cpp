@@ -1,0 +1,54 @@
+#include "morse/morse_model.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/message.h"
+
+namespace stormfield {
+
+const char* name(MorseMethod method) {
+  switch (method) {
+    case MorseMethod::Tau:
+      return "tau";
+    case MorseMethod::Spatial:
+      return "spatial";
+    case MorseMethod::Geometry:
+      break;
+  }
+  return "geometry";
+}
+
+MorseMethod morseMethod(const std::string& word) {
+  for (const MorseMethod method : {MorseMethod::Geometry, MorseMethod::Tau, MorseMethod::Spatial}) {
+    if (word == name(method)) return method;
+  }
+  throw InputError(message("there is no Morse method '", word, "'; choose geometry, tau or spatial"));
+}
+
+std::optional<std::vector<double>> MorseModel::findPersistence(const MorseDecomposition& /*morse*/,
+                                                               Progress& /*progress*/) {
+  return std::nullopt;
+}
+
+double MorseModel::tau() const {
+  const std::vector<double> all = taus();
+  return *std::max_element(all.begin(), all.end());
+}
+
+std::unique_ptr<MorseModel> MorseModel::withinEpsilon(double /*epsilon*/, Progress& /*progress*/) const {
+  throw InputError(
+      message("a decomposition by '", name(method()), "' has no error bound; make one with the method 'geometry'"));
+}
+
+std::unique_ptr<MorseModel> MorseModel::withSetRefined(const std::shared_ptr<const FlatFaces>& /*faces*/,
+                                                       const MorseDecomposition& /*morse*/, Index /*set*/,
+                                                       Progress& /*progress*/) const {
+  throw InputError("only a refined decomposition, or one by 'geometry' with eps 0, can be refined set by set");
+}
+
+std::vector<Index> MorseModel::facesBetween(const MorseDecomposition& morse, Index from, Index to) const {
+  return connectionRegion(map(), morse.faces, from, to);
+}
+
+}  // namespace stormfield
