@@ -53,13 +53,13 @@ py::tuple entityTuple(const EntityRef& entity) {
 }
 
 std::shared_ptr<Job<TopologyHandle>> startTopology(const FieldHandle& field, double relativeTolerance, double tolerance,
-                                                   double bandTolerance, Index maximalSteps,
+                                                   double bandTolerance, Index maxSteps,
                                                    const std::shared_ptr<Progress>& progress) {
   TopologyOptions options;
   options.fixedPoints.relativeTolerance = relativeTolerance;
   options.tolerance = tolerance;
   options.bandTolerance = bandTolerance;
-  options.maximalSteps = maximalSteps;
+  options.maxSteps = maxSteps;
   // The job outlives the arguments, so it works on a copy.
   auto work = [mesh = field.mesh, own = std::make_shared<const VectorField>(field.field), options](Progress& p) {
     auto topology = std::make_shared<const Topology>(findTopology(*mesh->flatFaces(), *own, options, &p));
@@ -228,11 +228,11 @@ void bind_topology(py::module_& m) {
   m.def("start_topology", &startTopology, py::arg("field"), py::kw_only(),
         py::arg("relative_tolerance") = defaults.fixedPoints.relativeTolerance,
         py::arg("tolerance") = defaults.tolerance, py::arg("band_tolerance") = defaults.bandTolerance,
-        py::arg("maximal_steps") = defaults.maximalSteps, py::arg("progress") = std::shared_ptr<Progress>(),
+        py::arg("max_steps") = defaults.maxSteps, py::arg("progress") = std::shared_ptr<Progress>(),
         "Find the whole topology of a VectorField on a thread of its own -> TopologyJob.\n\n"
         "relative_tolerance: as in fixed_points. tolerance: of one step of a streamline, in mean edge lengths.\n"
         "band_tolerance: a closed streamline whose neighbours, half an edge away, return to within this part of that\n"
-        "distance stands for a band. maximal_steps: integration steps, as a rule one for each face, after\n"
+        "distance stands for a band. max_steps: integration steps, as a rule one for each face, after\n"
         "which a streamline is given up.\n"
         "The same result for any number of threads. Memory: about 500 bytes per face, the mesh included (2.5 GB for 5 "
         "million faces).\n"

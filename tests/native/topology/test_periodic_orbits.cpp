@@ -246,7 +246,7 @@ TEST(PeriodicOrbits, AroundAHandleOfGenusTwo) {
 TEST(PeriodicOrbits, AroundAFocusAcrossTwoFacesTakeManySteps) {
   // A rough field on a coarse surface: one of its orbits winds closely around a source, hundreds of steps in one face.
   TopologyOptions options;
-  options.maximalSteps = 20000;
+  options.maxSteps = 20000;
   const auto charts = makeCharts(joined(icosphere(1), torus(8, 6), {4, 0, 0}));
   const Topology topology = topologyOf(randomField(charts, 2), options);
   for (const Separatrix& s : topology.separatrices) EXPECT_LT(s.points.size(), 2000u);
