@@ -1,7 +1,7 @@
 // A directed graph in compressed rows, and what analyses ask of it: strongly connected components (Tarjan) and the
 // transitive reduction of an acyclic graph (thesis 2.4, 6.2).
 //
-//   const DirectedGraph graph = ...;
+//   const DirectedGraph graph{{0, 1, 2}, {1, 0}};  // 0 -> 1 -> 0
 //   const Components parts = stronglyConnectedComponents(graph);
 //   const DirectedGraph order = transitiveReduction(condensation(graph, parts));
 #pragma once

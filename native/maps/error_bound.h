@@ -10,8 +10,7 @@
 // sets, and all that follows from them, therefore contain those of every field within the bound.
 //
 //   const ErrorBoundedMap bounded = errorBoundedMap(field, {});
-//   const CombinatorialMap map = mapWithinEpsilon(bounded, 0.1);       // fields that differ by up to 0.1 mesh units
-//   per second
+//   const CombinatorialMap map = mapWithinEpsilon(bounded, 0.1);  // fields within 0.1 mesh units per second
 #pragma once
 
 #include <vector>

@@ -1,9 +1,8 @@
 // The Conley index of a region of faces as Betti numbers of its index pair (N, L): the ranks of the relative homology
 // H(N, L) over Z/2, where L is the exit set on the boundary of N (thesis 2.3.2, 8.2.3).
 //
-//   b0 = pieces of N without exit,  b2 = pieces of N whose whole boundary is exit,
-//   b1 = b0 + b2 - (chi(N) - chi(L)),
-//
+//     b0 = pieces of N without exit,  b2 = pieces of N whose whole boundary is exit,
+//     b1 = b0 + b2 - (chi(N) - chi(L)),
 // which takes time linear in the faces of N, for any genus and any number of boundary loops.
 //
 // With a geometry-based map N is an isolating block: all its boundary edges are crossed one way. The flow grazes N from
@@ -15,9 +14,8 @@
 // long as F encloses the flow. The Poincare sum, which is exact, makes it smaller; and where the bound leaves no index
 // with that sum, F has missed edges (tau_map.h) and the sum makes it larger (agreeing).
 //
-//   IndexPair pair{...};                      // exit_set.h
-//   const ConleyIndex index = conleyIndex(mesh, sets, s, pair);
-//   kindOf(index) == MorseKind::Saddle;       // (0, 1, 0)
+//   const ConleyIndex index = conleyIndex(mesh, sets, s, pair);  // the pair: exit_set.h
+//   const bool isSaddle = kindOf(index) == MorseKind::Saddle;    // (0, 1, 0)
 #pragma once
 
 #include "mesh/triangle_mesh.h"

@@ -30,7 +30,7 @@
 //
 //   TransitRefinement refinement(faces, field);
 //   refinement.refine(&progress);
-//   const TransitDecomposition result = refinement.decomposition(true, progress);
+//   const TransitDecomposition result = refinement.decomposition(false, true, progress);
 #pragma once
 
 #include <limits>

@@ -10,7 +10,7 @@
 // appears when its first point leaves.
 //
 //   const Tracking tracking = trackFixedPoints(field, {}, progress);
-//   for (const TrackedPath& path : tracking.paths) ... path.samples ...
+//   for (const TrackedPath& path : tracking.paths) begins.push_back(path.samples.front().position);
 //
 // Memory beside the result: about 60 bytes for each crossing of an edge and 8 for each face.
 #pragma once
