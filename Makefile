@@ -1,6 +1,8 @@
 # make        build everything: the core, and in each Python environment the package; .venv/bin/stormfield works
 # make demo   render the storm merge to PNG frames and a video
 # make test   all tests and checks, under every Blender that is found
+# make test-threads  the C++ tests under the thread sanitizer
+# make test-long     the long versions of the C++ tests: finer meshes, more samples, more random designs
 # make bench  benchmarks; they print ratios
 # make lint   formatting, ruff, mypy
 # make docs   the documentation, in build/docs/html; warnings are errors
@@ -19,7 +21,7 @@ ENVIRONMENTS = $(shell scripts/environments.sh list)
 core_sources := $(shell find native cmake CMakeLists.txt CMakePresets.json -type f)
 addon_sources := $(shell find addon -type f -not -path '*/__pycache__/*')
 
-.PHONY: all demo test test-native test-python bench lint docs clean
+.PHONY: all demo test test-native test-odr test-results test-threads test-long test-python bench lint docs clean
 all: build/.installed
 
 build/.packages: scripts/debian_packages.sh
@@ -32,16 +34,16 @@ build/.environments: build/.packages scripts/environments.sh pyproject.toml
 	@touch $@
 
 build/.core: build/.packages $(core_sources)
-	cmake --preset core
-	cmake --build --preset core -j $(JOBS)
+	cmake --preset release
+	cmake --build --preset release -j $(JOBS) --target core
 	@touch $@
 
-# The core is compiled once; only the bindings are compiled for each Python.
+# The core is compiled once, for its tests too; only the bindings are compiled for each Python.
 build/.installed: build/.core build/.environments $(addon_sources) pyproject.toml README.md
 	@set -e; for environment in $(ENVIRONMENTS); do \
 	  echo "installing stormfield into $$environment"; \
 	  $$environment/bin/python -m pip install --quiet --no-deps --no-build-isolation --force-reinstall \
-	    -C cmake.define.STORMFIELD_CORE_DIR=$(CURDIR)/build/core . ; \
+	    -C cmake.define.STORMFIELD_CORE_DIR=$(CURDIR)/build/release . ; \
 	done
 	@touch $@
 
@@ -50,25 +52,55 @@ demo: all
 
 test: lint test-native test-python docs
 
-test-native: build/.packages
-	cmake --preset asan
-	cmake --build --preset asan -j $(JOBS)
-	ctest --preset asan -j $(JOBS)
+# As they ship, as they ship on a processor without AVX2, compiled by Clang, and under the address and undefined behaviour
+# sanitizers; ccache shares what the first two have in common.
+NATIVE_BUILDS := release baseline clang asan
+test-native: $(addprefix test-native-,$(NATIVE_BUILDS)) test-results test-odr
 
-test-python: all
-	@set -e; for environment in $(ENVIRONMENTS); do \
-	  echo "tests under $$environment"; \
-	  $$environment/bin/python -m pytest tests; \
+test-native-%: build/.packages
+	cmake --preset $*
+	cmake --build --preset $* -j $(JOBS)
+	ctest --preset $* -j $(JOBS)
+
+# The same computations give the same bits in every build.
+test-results: $(addprefix test-native-,$(NATIVE_BUILDS))
+	@set -e; for build in $(NATIVE_BUILDS); do \
+	  build/$$build/tests/native/print_results >build/$$build/results.txt; \
+	  diff build/release/results.txt build/$$build/results.txt || { echo "$$build gives other results than release"; exit 1; }; \
+	done; echo "the same results: $(NATIVE_BUILDS)"
+
+test-odr: build/.packages
+	cmake --preset odr
+	cmake --build --preset odr -j $(JOBS)
+
+# Debian's oneTBB is not instrumented, and nearly every test would drown in false reports.
+test-threads: build/.packages
+	scripts/build_onetbb.sh thread build/onetbb/thread
+	$(MAKE) --no-print-directory test-native-tsan
+
+test-long: build/.packages
+	cmake --preset release
+	cmake --build --preset release -j $(JOBS)
+	@set -e; for program in build/release/tests/native/test_*; do \
+	  [ -x $$program ] && [ -f $$program ] || continue; \
+	  STORMFIELD_LONG_TESTS=1 $$program --gtest_brief=1; \
 	done
+
+# Both Blenders at once; what they print stays together.
+test-python: all
+	@$(MAKE) --no-print-directory --output-sync=target -j $(JOBS) $(addprefix test-python-in-,$(ENVIRONMENTS))
+
+test-python-in-%:
+	@echo "tests under $*"; $*/bin/python -m pytest tests
 
 build/.bench: build/.environments pyproject.toml
 	$(PYTHON) -m pip install --quiet $(call extra,bench)
 	@touch $@
 
 bench: all build/.bench
-	cmake --preset bench
-	cmake --build --preset bench -j $(JOBS) --target bench_native
-	build/bench/tests/native/bench_native
+	cmake --preset release
+	cmake --build --preset release -j $(JOBS) --target bench_native
+	build/release/tests/native/bench_native
 	$(PYTHON) -m pytest -p no:cacheprovider --rootdir tests/benchmarks -s tests/benchmarks
 
 build/.lint: pyproject.toml

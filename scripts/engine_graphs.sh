@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The picture of a data set's ECG beside its MCG in the README, docs/pictures/graphs.png:
-#   scripts/engine_graphs.sh gasEngineV.t
+# The picture of the gas engine's ECG beside its MCG in the README, docs/pictures/graphs.png. STORMFIELD_DATA names the
+# folder that holds the data set gasEngineV.t.
 set -euo pipefail
-data=$(realpath "$1")
+data=$(realpath "${STORMFIELD_DATA:?names the folder that holds gasEngineV.t}/gasEngineV.t")
 cd "$(dirname "$0")/.."
 pictures=$(mktemp -d)
 trap 'rm -rf "$pictures"' EXIT

@@ -8,7 +8,7 @@ draw (a curve drawn on the
 surface), monkey (several components and boundaries), panels (the lower half of the sidebar); and of the analysis:
 analyzed (entities, separatrices and the list), graph (the graph editor beside the view, one entity selected),
 paths (fixed points over λ, bifurcations as markers), morse (Morse sets as coloured faces and their graph),
-engine and engine_morse (the same for the gas engine, when its data set is in ../shared/data).
+engine and engine_morse (the same for the gas engine, when STORMFIELD_DATA names the folder with its data set).
 The compiled core is taken from out/build-*, the add-on from this tree.
 """
 
@@ -32,7 +32,7 @@ OPENED = {
     "engine": {"Field", "Analysis"},
     "engine_morse": {"Field", "Analysis", "Morse Sets"},
 }
-ENGINE = ROOT.parent / "shared" / "data" / "gasEngineV.t"
+ENGINE = Path(os.environ.get("STORMFIELD_DATA", "")) / "gasEngineV.t"
 SUBDIVISIONS = int(os.environ.get("STORMFIELD_SUBDIVISIONS", "6"))
 
 

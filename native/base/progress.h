@@ -5,6 +5,8 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
+#include <utility>
 
 #include "base/error.h"
 
@@ -26,17 +28,33 @@ class Progress {
   }
   double fraction() const noexcept { return fraction_.load(std::memory_order_relaxed); }
 
-  void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
-  bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
+  void cancel() noexcept { state_.fetch_or(kCancelled, std::memory_order_relaxed); }
+  bool cancelled() const noexcept {
+    const int state = state_.load(std::memory_order_relaxed);
+    if (state == 0) return false;
+    if ((state & kWatched) == 0) return true;
+    onPoll_();
+    return (state_.load(std::memory_order_relaxed) & kCancelled) != 0;
+  }
 
   /// Throws Cancelled once cancel() was called. Long loops call it often enough to stop within 0.1 s.
   void check() const {
     if (cancelled()) throw Cancelled();
   }
 
+  /// Called at every check() and cancelled() from now on, by whichever thread asks: tests count them, and cancel at one
+  /// of them. Set before the work begins.
+  void watch(std::function<void()> onPoll) {
+    onPoll_ = std::move(onPoll);
+    state_.fetch_or(kWatched, std::memory_order_relaxed);
+  }
+
  private:
+  static constexpr int kCancelled = 1, kWatched = 2;
+
   std::atomic<double> fraction_{0.0};
-  std::atomic<bool> cancelled_{false};
+  std::atomic<int> state_{0};
+  std::function<void()> onPoll_;
   double from_ = 0.0, to_ = 1.0;
 };
 

@@ -3,8 +3,9 @@
 // The thread never touches Python: the work gets plain C++ data and a Progress, and its result (or exception) waits
 // until it is asked for. A job that Python lets go of is cancelled and waited for.
 //
-//   auto job = std::make_shared<Job<SpaceTimeResult>>([=](Progress& progress) { return solver->solve(..., progress);
-//   }); bindJob<Job<SpaceTimeResult>>(m, "SolveJob", "...", [](const SpaceTimeResult& r) { return toPython(r); });
+//   const auto solve = [=](Progress& progress) { return solver->solve(constraints, progress); };
+//   const auto job = std::make_shared<Job<SpaceTimeResult>>(solve);
+//   bindJob<Job<SpaceTimeResult>>(m, "SolveJob", "A running solve.", toPython);  // once, in the module
 //
 // The work must not capture Python objects: its captures end on the other thread.
 #pragma once

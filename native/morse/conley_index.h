@@ -2,9 +2,9 @@
 // index pair (N, L): the ranks of the relative homology H(N, L) over Z/2, where L is the exit set on the boundary of N
 // (thesis 2.3.2, 8.2.3).
 //
-//   b0 = components of N that L does not meet,
-//   b2 = components of N whose whole boundary is in L,
-//   b1 = b0 + b2 - (chi(N) - chi(L)),
+//     b0 = components of N that L does not meet,
+//     b2 = components of N whose whole boundary is in L,
+//     b1 = b0 + b2 - (chi(N) - chi(L)),
 //
 // which takes time linear in the faces of N, for any genus and any number of boundary loops.
 //

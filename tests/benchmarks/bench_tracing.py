@@ -7,24 +7,23 @@ wall says with every core the process may use, and the distance of each end from
 95 % of its errors are below 1e-4; VTK its fastest step, its finest, and the one whose errors come nearest to 1e-4.
 VTK: SurfaceStreamlines on, Runge-Kutta 4, fixed steps given in the output, no vorticity; VTK's evenly spaced
 streamlines (vtkEvenlySpacedStreamlines2D) are planar only and no peer.
-Seeds are such that the streamline has the whole length. Needs PyPI's `vtk` and the thesis's data set.
+Seeds are such that the streamline has the whole length. Needs PyPI's `vtk` and the gas engine (STORMFIELD_DATA).
 """
 
 import contextlib
 import math
 import os
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_sets import data_set
 
 with contextlib.suppress(ImportError):
     import bpy  # noqa: F401
 from stormfield import native
 from stormfield.readers.t_file import read_t
 
-DATA = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "gasEngineV.t"
 SEEDS, LENGTH = 2000, 100.0  # number, arc length in mean edges
 VTK_SEEDS = 400  # of these, the first
 
@@ -46,10 +45,8 @@ def timed(work, repeats):
 
 @pytest.mark.parametrize("cuts", [0, 1], ids=["as it is", "each face cut in four"])
 def bench_streamlines_beside_vtk(cuts):
-    if not DATA.is_file():
-        pytest.skip(f"{DATA} is not there")
     vtk = pytest.importorskip("vtk", reason="pip install vtk to compare with it")
-    data = read_t(DATA)
+    data = read_t(data_set("gasEngineV.t"))
     points, triangles = data.mesh.vertices, data.mesh.triangles
     vectors = np.asarray(data.vectors[0], np.float64)
     for _ in range(cuts):

@@ -1,6 +1,8 @@
-// The thesis's data sets, which stand beside the repository where they are at hand.
+// Data sets that are too large for the repository, and made by others: those of the thesis, from its authors.
+// STORMFIELD_DATA names the folder that holds them.
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -21,8 +23,9 @@ struct SampledSurface {
 
 /// A .t file: "faces vertices", then triangles, positions and vectors row by row. None where it is absent.
 inline std::optional<SampledSurface> dataSet(const std::string& name) {
-  const auto root = std::filesystem::path(__FILE__).lexically_normal().parent_path().parent_path().parent_path();
-  std::ifstream file(root.parent_path() / "shared" / "data" / name);
+  const char* folder = std::getenv("STORMFIELD_DATA");
+  if (folder == nullptr) return std::nullopt;
+  std::ifstream file(std::filesystem::path(folder) / name);
   if (!file) return std::nullopt;
   Eigen::Index faces = 0, vertices = 0;
   file >> faces >> vertices;
@@ -31,6 +34,11 @@ inline std::optional<SampledSurface> dataSet(const std::string& name) {
   for (Eigen::Index i = 0; i < s.surface.points.size(); ++i) file >> s.surface.points.data()[i];
   for (Eigen::Index i = 0; i < s.vectors.size(); ++i) file >> s.vectors.data()[i];
   return s;
+}
+
+/// What a test or benchmark says that has to do without a data set.
+inline std::string withoutDataSet(const std::string& name) {
+  return name + " is not in the folder that STORMFIELD_DATA names (a data set of the thesis, from its authors)";
 }
 
 /// Every edge cut in `parts` equal pieces and every face in parts^2, vectors in between linear.

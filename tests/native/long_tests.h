@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdlib>
+#include <string_view>
 
 namespace stormfield::test {
 
 inline bool longTests() {
-  return std::getenv("STORMFIELD_LONG_TESTS") != nullptr;
+  const char* wanted = std::getenv("STORMFIELD_LONG_TESTS");
+  return wanted != nullptr && std::string_view(wanted) == "1";
 }
 
 /// The first of these, or the second in long tests.

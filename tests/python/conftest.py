@@ -5,3 +5,20 @@ import contextlib
 
 with contextlib.suppress(ImportError):
     import bpy  # noqa: F401
+
+import pytest
+
+
+@pytest.fixture
+def ending(monkeypatch):
+    """The core's jobs that closing a generator has cancelled, as they were added to those that nobody waits for: each
+    with the fraction that was done of it then."""
+
+    class Ending(list):
+        def append(self, job):
+            cancelled.append((job, job.fraction))
+            super().append(job)
+
+    cancelled = []
+    monkeypatch.setattr("stormfield.work._ending", Ending())
+    return cancelled

@@ -234,13 +234,17 @@ def test_an_interrupted_solve_says_so_and_can_be_resumed(design, tmp_path):
     path = design(settings={"samples": 3000})
     command = [sys.executable, "-m", "stormfield", "solve", str(path), "--out", str(tmp_path / "out")]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    while not (tmp_path / "out/samples").is_dir() or not any((tmp_path / "out/samples").iterdir()):
+
+    def written():
+        return len(list((tmp_path / "out/samples").glob("*.usdc")))
+
+    while written() == 0:
         assert process.poll() is None
         time.sleep(0.01)
-    began = time.monotonic()
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
-    assert time.monotonic() - began < 10
+    before = written()
+    _, err = process.communicate()
+    assert written() <= before + 300  # of 3000 samples
     assert process.returncode == 130
     assert err.splitlines()[-1].startswith("stormfield: cancelled") and "Traceback" not in err
     assert not [name for name in contents(tmp_path / "out") if ".tmp-" in name or name == "manifest.json"]

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import stormfield_native as native
+from data_sets import data_set
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-
-DATA = Path(__file__).parents[3] / "shared" / "data"
 
 
 def square(cells: int) -> native.TriangleMesh:
@@ -167,9 +166,7 @@ def read_ply(path: Path):
     ],
 )
 def test_real_fields_keep_the_index_theorem(name, faces, euler):
-    path = DATA / name
-    if not path.exists():
-        pytest.skip(f"data set {name} is not here")
+    path = data_set(name)
     points, triangles, vectors = (read_t if path.suffix == ".t" else read_ply)(path)
     mesh = native.TriangleMesh(points, triangles)
     assert mesh.face_count == faces

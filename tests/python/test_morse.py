@@ -4,12 +4,12 @@
 import json
 import time
 from collections import Counter
-from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
 import stormfield_native as native
+from data_sets import data_set
 from stormfield.analysis.mcg import morse_graph, morse_json
 from stormfield.analysis.steps import morse_steps
 from stormfield.cli import main
@@ -18,7 +18,6 @@ from stormfield.readers import read_field
 from stormfield.readers.icosphere import icosphere
 from stormfield.work import Stop, run
 
-DATA = Path(__file__).parents[3] / "shared" / "data"
 KINDS = {"source", "sink", "saddle", "attracting", "repelling", "trivial", "other"}
 
 
@@ -33,9 +32,7 @@ def sphere_field(rate, faces=5120):
 
 
 def data_field(name):
-    if not (DATA / name).exists():
-        pytest.skip(f"{name} is not there")
-    data = read_field(DATA / name)
+    data = read_field(data_set(name))
     mesh = native.TriangleMesh(data.mesh.vertices, data.mesh.triangles)
     return mesh, native.VectorField.from_space(mesh, data.at(0.0))
 
@@ -274,11 +271,11 @@ def test_cancel_stops_soon():
     _, field = sphere_field(lambda z: z - 0.2, 327680)
     job = native.start_morse(field)
     time.sleep(0.05)
-    before = time.perf_counter()
     job.cancel()
+    done = job.fraction
     with pytest.raises(native.Cancelled):
         job.result()
-    assert time.perf_counter() - before < 2.0  # the promise is 0.1 s; machines that test are busy
+    assert job.fraction <= done + 0.1  # of the whole
 
 
 # Real data ------------------------------------------------------------------------------------------------------------

@@ -2,27 +2,20 @@
 """Data sets as fields: formats, wind on a sphere, and what is refused."""
 
 import json
-from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
 import xarray
+from data_sets import data_set
 from stormfield.model.errors import InputError
 from stormfield.readers import read_field, read_mesh
 from stormfield.readers.icosphere import icosphere
 from stormfield.readers.wind import wind_on_sphere
 
-DATA = Path(__file__).parents[3] / "shared" / "data"
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.1], [0, 1, 0]], float)
 VECTORS = np.array([[1, 2, 3], [4, 5, 6], [7, 8, 9], [10, 11, 12]], float)
-
-
-def data_set(name):
-    if not (DATA / name).exists():
-        pytest.skip(f"{name} of the thesis's data is not here")
-    return DATA / name
 
 
 # Files ----------------------------------------------------------------------------------------------------------------

@@ -75,11 +75,11 @@ def test_job_reports_progress_and_is_done():
 def test_cancel_stops_soon():
     job = start_solve(sphere(5), merge(samples=200))
     time.sleep(0.05)
-    before = time.perf_counter()
     job.cancel()
+    done = job.fraction
     with pytest.raises(native.Cancelled):
         job.result()
-    assert time.perf_counter() - before < 1.0  # the promise is 0.1 s; machines that test are busy
+    assert job.fraction <= done + 0.1  # of the whole
 
 
 def test_both_fields_are_solved_once_when_they_share_their_elements():

@@ -66,11 +66,12 @@ def test_faults_name_what_is_wrong(sphere, field):
 @pytest.mark.parametrize("distance", [0.004, 0.5])
 def test_cancelling_stops_soon(sphere, field, distance):
     job = native.start_evenly_spaced_streamlines(field, distance)
-    time.sleep(0.05)
+    time.sleep(0.01)
     job.cancel()
-    began = time.perf_counter()
-    assert job.wait(5.0)
-    assert time.perf_counter() - began < 2.0  # 0.1 s on a machine that has nothing else to do
+    done = job.fraction
+    with pytest.raises(native.Cancelled):
+        job.result()
+    assert job.fraction <= done + 0.3  # of the whole
 
 
 def test_settings_shape_the_drawing():

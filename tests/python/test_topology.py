@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import stormfield_native as native
+from data_sets import data_set
 from stormfield.analysis.ecg import entity_graph, topology_json
 from stormfield.cli import main
-
-DATA = Path(__file__).parents[3] / "shared" / "data"
 
 
 def square(cells: int, size: float) -> tuple[np.ndarray, np.ndarray]:
@@ -151,10 +150,9 @@ def test_command_line_reports_fields_of_zeros(tmp_path):
     assert content["periodic_orbits"] == []
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the thesis's data sets are not at hand")
 def test_command_line_on_the_gas_engine(tmp_path):
     out = tmp_path / "out.json"
-    assert main(["analyze", str(DATA / "gasEngineV.t"), "--json", str(out)]) == 0
+    assert main(["analyze", str(data_set("gasEngineV.t")), "--json", str(out)]) == 0
     content = json.loads(out.read_text())
     assert content["index_sum"] == content["mesh"]["euler_characteristic"] == 2
     assert all(s["end"]["kind"] != "none" for s in content["separatrices"])

@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from command_line import refused, run
+from data_sets import data_set
 from stormfield import native
 from stormfield.analysis import tracking
 from stormfield.readers import read_field
-from test_readers import data_set
 
 LATITUDE, LONGITUDE = np.arange(-90.0, 91.0, 3.0), np.arange(0.0, 360.0, 3.0)
 

@@ -12,7 +12,7 @@ namespace {
 /// range(0): pieces that every edge is cut in; range(1): tau in 1e-4 s.
 void TauMapOfGasEngine(benchmark::State& state) {
   const auto data = test::dataSet("gasEngineV.t");
-  if (!data) return state.SkipWithError("the data set is not at hand");
+  if (!data) return state.SkipWithError(test::withoutDataSet("gasEngineV.t").c_str());
   const VectorField field = test::fieldOn(test::subdivided(*data, static_cast<Index>(state.range(0))));
   const FlatFaces faces(field.charts);
   const double tau = static_cast<double>(state.range(1)) * 1e-4;
@@ -47,7 +47,7 @@ BENCHMARK(TauMapOfGasEngine)
 
 void RefinementOfGasEngine(benchmark::State& state) {
   const auto data = test::dataSet("gasEngineV.t");
-  if (!data) return state.SkipWithError("the data set is not at hand");
+  if (!data) return state.SkipWithError(test::withoutDataSet("gasEngineV.t").c_str());
   const auto field = std::make_shared<const VectorField>(test::fieldOn(*data));
   const auto faces = std::make_shared<const FlatFaces>(field->charts);
   TauRefinementOptions options;

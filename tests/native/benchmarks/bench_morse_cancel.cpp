@@ -38,7 +38,7 @@ double timeToEnd(const Work& work, double after) {
 
 void CancelMorse(benchmark::State& state, MorseMethod method, bool refine) {
   const auto data = test::dataSet("gasEngineV.t");
-  if (!data) return state.SkipWithError("the data set is not at hand");
+  if (!data) return state.SkipWithError(test::withoutDataSet("gasEngineV.t").c_str());
   const VectorField field = test::fieldOn(*data);
   const auto faces = std::make_shared<const FlatFaces>(field.charts);
   MorseAnalysisOptions options;

@@ -48,7 +48,7 @@ struct GasEngine {
 
 void TransitRefinementGrowth(benchmark::State& state) {
   const auto data = test::dataSet("gasEngineV.t");
-  if (!data) return state.SkipWithError("the data set is not at hand");
+  if (!data) return state.SkipWithError(test::withoutDataSet("gasEngineV.t").c_str());
   for (auto _ : state) {
     Growth time, nodes;
     for (const Index pieces : {1, 2, 4}) {
@@ -72,7 +72,7 @@ BENCHMARK(TransitRefinementGrowth)->Unit(benchmark::kSecond)->Iterations(1);
 /// range(0): whether tau is proportional to the length of the edges.
 void TauMapGrowth(benchmark::State& state) {
   const auto data = test::dataSet("gasEngineV.t");
-  if (!data) return state.SkipWithError("the data set is not at hand");
+  if (!data) return state.SkipWithError(test::withoutDataSet("gasEngineV.t").c_str());
   constexpr double kTau = 6e-4;
   const bool asEdges = state.range(0) != 0;
   for (auto _ : state) {

@@ -47,7 +47,7 @@ double sampledGap(const VectorField& field, const EvenStreamlines& lines) {
 /// Argument: the distance d in thousandths of the object's size.
 void EvenlySpacedStreamlines(benchmark::State& state) {
   const auto data = test::dataSet("gasEngineV.t");
-  if (!data) return state.SkipWithError("the gas engine is not at hand");
+  if (!data) return state.SkipWithError(test::withoutDataSet("gasEngineV.t").c_str());
   const VectorField field = test::fieldOn(test::subdivided(*data));
   const FlatFaces faces(field.charts);
   const double d = 1e-3 * static_cast<double>(state.range(0)) * field.mesh().size();
@@ -63,7 +63,7 @@ void EvenlySpacedStreamlines(benchmark::State& state) {
 
 void TheSameLinesTraced(benchmark::State& state) {
   const auto data = test::dataSet("gasEngineV.t");
-  if (!data) return state.SkipWithError("the gas engine is not at hand");
+  if (!data) return state.SkipWithError(test::withoutDataSet("gasEngineV.t").c_str());
   const VectorField field = test::fieldOn(test::subdivided(*data));
   const FlatFaces faces(field.charts);
   const double d = 1e-3 * static_cast<double>(state.range(0)) * field.mesh().size();

@@ -27,7 +27,7 @@ void measure(benchmark::State& state, const VectorField& field) {
 void GasEngine(benchmark::State& state) {
   auto data = dataSet("gasEngineV.t");
   if (!data) {
-    state.SkipWithError("the gas engine's data set is not at hand");
+    state.SkipWithError(withoutDataSet("gasEngineV.t").c_str());
     return;
   }
   if (state.range(0) == 4) data = subdivided(*data);

@@ -88,7 +88,7 @@ BENCHMARK(StreamlinesOnTheSphere)
 /// On the gas engine, 26,298 faces, each edge cut in range(0): what users bring has faces of all shapes.
 void StreamlinesOnTheGasEngine(benchmark::State& state) {
   const auto data = test::dataSet("gasEngineV.t");
-  if (!data) return state.SkipWithError("the gas engine is not at hand");
+  if (!data) return state.SkipWithError(test::withoutDataSet("gasEngineV.t").c_str());
   const auto cut = test::subdivided(*data, static_cast<Index>(state.range(0)));
   follow(state, test::fieldOn(cut), state.range(1), state.range(2));
 }

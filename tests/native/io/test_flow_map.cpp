@@ -5,8 +5,8 @@
 
 #include "base/error.h"
 #include "io/flow_map.h"
-#include "io/stopping.h"
 #include "long_tests.h"
+#include "polls.h"
 
 namespace stormfield {
 namespace {
@@ -70,9 +70,7 @@ TEST(FlowMap, StopsSoonWhileItDraws) {
   const VectorField field = plane.constant(plane.a);
   const UvRaster raster = rasterizeUv(plane.charts->mesh(), plane.uvs, {side, side, 0});
   const auto draw = [&](Progress* p) { return flowMap(field, plane.uvs, raster, FlowMapBasis::Uv, p); };
-  for (const double fraction : {0.0, 0.3}) {
-    EXPECT_LT(secondsToStop(fraction, [&](Progress& p) { draw(&p); }), kSoon);
-  }
+  test::expectStopsSoon([&](Progress& p) { draw(&p); }, 30, 0.05);
 }
 
 TEST(FlowMap, AnotherMeshIsRefused) {

@@ -3,18 +3,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <numeric>
-#include <thread>
 
 #include "base/error.h"
 #include "data_sets.h"
 #include "fixtures.h"
+#include "long_tests.h"
 #include "maps/detail/edge_image.h"
 #include "maps/error_bound.h"
 #include "maps/geometry_map.h"
 #include "maps/prepared_flow.h"
 #include "maps/tau_map.h"
+#include "polls.h"
 
 namespace stormfield::test {
 namespace {
@@ -62,10 +62,10 @@ int escapes(const FlatFaces& faces, const VectorField& field, const Combinatoria
   return escaping.count();
 }
 
-/// More with STORMFIELD_LONG_TESTS set to a factor: 5000 makes 10^7 of them on the gas engine.
-int tries(int normal) {
-  const char* factor = std::getenv("STORMFIELD_LONG_TESTS");
-  return normal * (factor == nullptr ? 1 : std::max(1, std::atoi(factor)));
+/// Of as many tries as a short test makes, those of a long one.
+constexpr int kLongFactor = 50;
+int tries(int brief) {
+  return brief * shortOrLong(1, kLongFactor);
 }
 
 /// Smooth on the surface: the tangent part of a vector that changes slowly in space.
@@ -83,7 +83,7 @@ class TauMapOnSurfaces : public testing::TestWithParam<NamedSurface> {};
 TEST_P(TauMapOnSurfaces, EnclosesTheImagesOfSmoothAndRandomFields) {
   const auto charts = makeCharts(GetParam().surface);
   const FlatFaces faces(charts);
-  const bool all = tries(1) > 1;
+  const bool all = longTests();
   for (const VectorField& field : {smoothField(charts), randomField(charts, 3)}) {
     for (const double edges : {0.3, 2.0, 6.0}) {
       for (const TauUnit unit : {TauUnit::Time, TauUnit::Length}) {
@@ -118,14 +118,14 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, TauMapOnSurfaces, testing::ValuesIn(allSurfac
 
 TEST(TauMap, EnclosesTheImagesOfTheGasEngine) {
   const auto data = dataSet("gasEngineV.t");
-  if (!data) GTEST_SKIP() << "the data set gasEngineV.t is not there";
+  if (!data) GTEST_SKIP() << withoutDataSet("gasEngineV.t");
   const VectorField field = fieldOn(*data);
   const FlatFaces faces(field.charts);
   const double tau = 3e-4;
   std::vector<double> taus(field.mesh().faceCount(), 0.0);
   std::vector<Index> asked(taus.size());
   std::iota(asked.begin(), asked.end(), 0);
-  if (tries(1) == 1) {  // a few of the faces
+  if (!longTests()) {  // a few of the faces
     for (Index f = 0; f < 100; ++f) asked[f] = 263 * f;
     asked.resize(100);
   }
@@ -443,15 +443,7 @@ TEST(TauMap, StopsWhenCancelled) {
   const auto charts = makeCharts(icosphere(4));
   const FlatFaces faces(charts);
   const VectorField field = smoothField(charts);
-  for (const double fraction : {0.0, 0.05, 0.3}) {
-    Progress progress;
-    std::thread watcher([&] {
-      while (progress.fraction() < fraction) std::this_thread::yield();
-      progress.cancel();
-    });
-    EXPECT_THROW(tauMap(faces, field, 1.5, {}, &progress), Cancelled) << fraction;
-    watcher.join();
-  }
+  expectStopsSoon([&](Progress& progress) { tauMap(faces, field, 1.5, {}, &progress); }, 1000, 0.05);
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
-#include <cstdlib>
 #include <iterator>
 #include <numeric>
 #include <thread>
@@ -12,12 +10,15 @@
 #include "data_sets.h"
 #include "field/poincare_index.h"
 #include "fixtures.h"
+#include "long_tests.h"
 #include "maps/fixed_point_faces.h"
 #include "maps/geometry_map.h"
 #include "maps/tau_rows.h"
+#include "morse/detail/deadline.h"
 #include "morse/recurrence.h"
 #include "morse/tau_refinement.h"
 #include "morse/transit_refinement.h"
+#include "polls.h"
 
 namespace stormfield::test {
 namespace {
@@ -162,8 +163,7 @@ void expectRecomputation(const VectorField& field, const TauRefinementOptions& o
 class RefinementOnSurfaces : public testing::TestWithParam<NamedSurface> {};
 
 TEST_P(RefinementOnSurfaces, IsWhatARecomputationAtItsTausGives) {
-  const char* more = std::getenv("STORMFIELD_LONG_TESTS");
-  for (int seed = 1; seed <= (more == nullptr ? 1 : 20); ++seed) {
+  for (int seed = 1; seed <= shortOrLong(1, 20); ++seed) {
     const auto field = std::make_shared<const VectorField>(randomField(makeCharts(GetParam().surface), seed));
     const auto faces = flatFaces(*field);
     for (const TauUnit unit : {TauUnit::Time, TauUnit::Length}) {
@@ -194,7 +194,7 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, RefinementOnSurfaces,
 
 TEST(Refinement, PartsOfTheGasEngineDoNotDependOnTheOrder) {
   const auto data = dataSet("gasEngineV.t");
-  if (!data) GTEST_SKIP() << "the data set gasEngineV.t is not at hand";
+  if (!data) GTEST_SKIP() << withoutDataSet("gasEngineV.t");
   const auto field = std::make_shared<const VectorField>(fieldOn(*data));
   const auto faces = flatFaces(*field);
   const TauRefinement start(faces, field);
@@ -290,43 +290,45 @@ TEST(Refinement, HoldsEveryFixedPointAtEveryTau) {
   }
 }
 
-TEST(Refinement, StopsInTheMiddleOfARoundWhenCancelled) {
-  // How soon: bench_morse_cancel.
+TEST(Refinement, StopsSoonAfterCancel) {
+  // A round asks often: the fiftieth poll comes before the end of the first, in which nodes at most double.
   const auto field = turn();
-  TauRefinement refinement(flatFaces(*field), field);
-  TransitRefinement transits(flatFaces(*field), field, {.maxLevel = 30, .patience = 30});
-  const auto refineAndCancel = [](auto& work) {
-    Progress progress;
-    std::thread watcher([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(30));
-      progress.cancel();
-    });
-    const RefinementStop stop = work.refine(&progress);
-    watcher.join();
-    return stop;
-  };
-  EXPECT_EQ(refineAndCancel(refinement), RefinementStop::Cancelled);
+  const auto faces = flatFaces(*field);
+  CancelledAt fiftieth(50), again(50);
+  TauRefinement refinement(faces, field);
+  EXPECT_EQ(refinement.refine(&fiftieth), RefinementStop::Cancelled);
   EXPECT_EQ(refinement.steps(), 0);
-  EXPECT_EQ(refineAndCancel(transits), RefinementStop::Cancelled);
+  TransitRefinement transits(faces, field, {.maxLevel = 30, .patience = 30});
+  const auto nodes = [&] { return transits.map().map().graph.nodeCount(); };
+  const Index before = nodes();
+  EXPECT_EQ(transits.refine(&again), RefinementStop::Cancelled);
+  EXPECT_LE(nodes(), 2 * before);
+}
+
+TEST(Refinement, ADeadlineCancelsWhenItsTimeIsOverOrTheCallerCancels) {
+  const Deadline over(0.0, nullptr);
+  while (!over.progress()->cancelled()) std::this_thread::yield();
+  EXPECT_TRUE(over.isOver());
+  Progress caller;
+  const Deadline far(1e9, &caller);
+  EXPECT_FALSE(far.progress()->cancelled());
+  caller.cancel();
+  while (!far.progress()->cancelled()) std::this_thread::yield();
+  EXPECT_FALSE(far.isOver());
 }
 
 TEST(Refinement, CancelLeavesCompleteRounds) {
   const auto field = twoSinks(20);
   const auto faces = flatFaces(*field);
-  for (const int microseconds : {0, 300, 1000, 3000, 10000}) {
+  for (const int poll : {1, 2, 5, 20, 100, 500}) {
     TauRefinement refinement(faces, field);
-    Progress progress;
-    std::thread watcher([&] {
-      std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
-      progress.cancel();
-    });
+    CancelledAt progress(poll);
     refinement.refine(&progress);
-    watcher.join();
     TauRefinement rounds(faces, field);
     while (rounds.steps() < refinement.steps()) rounds.round();
-    EXPECT_EQ(rounds.sets().setOf(), refinement.sets().setOf()) << microseconds;
-    EXPECT_EQ(rounds.taus(), refinement.taus()) << microseconds;
-    EXPECT_EQ(rounds.map().graph.targets, refinement.map().graph.targets) << microseconds;
+    EXPECT_EQ(rounds.sets().setOf(), refinement.sets().setOf()) << poll;
+    EXPECT_EQ(rounds.taus(), refinement.taus()) << poll;
+    EXPECT_EQ(rounds.map().graph.targets, refinement.map().graph.targets) << poll;
   }
 }
 
@@ -334,7 +336,6 @@ TEST(Refinement, StopsInTheMiddleOfARoundWhenTheTimeIsOver) {
   const auto field = turn();
   TauRefinement refinement(flatFaces(*field), field, {.maxSeconds = 0.05});
   EXPECT_EQ(refinement.refine(), RefinementStop::Time);
-  EXPECT_EQ(refinement.steps(), 0);
   EXPECT_EQ(refinement.sets().count(), 1);
 }
 

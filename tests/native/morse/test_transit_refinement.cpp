@@ -9,7 +9,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <thread>
 
 #include "base/error.h"
 #include "checks.h"
@@ -17,6 +16,7 @@
 #include "fixtures.h"
 #include "long_tests.h"
 #include "morse/morse_analysis.h"
+#include "polls.h"
 
 namespace stormfield::test {
 namespace {
@@ -264,18 +264,13 @@ TEST(TransitRefinement, CancelAndLimitsLeaveAValidDecomposition) {
   const FieldPointer field = random(icosphere(1), 2);
   const auto faces = flatFaces(*field);
   Progress progress;
-  for (const int microseconds : {0, 200, 1000}) {
+  for (const int poll : {1, 5, 50}) {
     TransitRefinement refinement(faces, field);
-    Progress watched;
-    std::thread watcher([&] {
-      std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
-      watched.cancel();
-    });
+    CancelledAt watched(poll);
     refinement.refine(&watched);
-    watcher.join();
     int sum = 0;
     for (const MorseSet& set : Refined(refinement, {}).morse.sets) sum += set.poincare;
-    EXPECT_EQ(sum, 2) << microseconds;
+    EXPECT_EQ(sum, 2) << poll;
     // And it can go on.
     EXPECT_EQ(refinement.refine(), RefinementStop::Done);
   }
@@ -351,7 +346,7 @@ TEST(TransitRefinement, LinksNoSaddlesThatNoFlowLinks) {
 TEST(TransitRefinement, PartsAllFixedPointsAndOrbitsOfTheGasEngine) {
   if (!longTests()) GTEST_SKIP() << "long";
   const auto data = dataSet("gasEngineV.t");
-  if (!data) GTEST_SKIP() << "the thesis's data sets are not beside the repository";
+  if (!data) GTEST_SKIP() << withoutDataSet("gasEngineV.t");
   const auto field = std::make_shared<const VectorField>(fromSpace(makeCharts(data->surface), data->vectors));
   // As the entity connection graph has them: 29, 18, 13, 3 and 1.
   const std::map<std::string, int> all{

@@ -332,7 +332,7 @@ TEST(Topology, StopsWhenCancelled) {
 
 TEST(Topology, OfTheGasEngine) {
   const auto data = dataSet("gasEngineV.t");
-  if (!data) GTEST_SKIP() << "the gas engine's data set is not at hand";
+  if (!data) GTEST_SKIP() << withoutDataSet("gasEngineV.t");
   for (const SampledSurface& s : {*data, subdivided(*data)}) {
     const VectorField field = fieldOn(s);
     const Topology topology = topologyOf(field);
@@ -346,7 +346,7 @@ TEST(Topology, OfTheGasEngine) {
 TEST(Topology, OfTheDesignedDataSets) {
   for (const char* name : {"bunny1V.t", "torus1V.t"}) {
     const auto data = dataSet(name);
-    if (!data) GTEST_SKIP() << "the thesis's data sets are not at hand";
+    if (!data) GTEST_SKIP() << withoutDataSet(name);
     const VectorField field = fieldOn(*data);
     expectSound(field, topologyOf(field), name);
   }
