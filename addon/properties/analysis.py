@@ -2,7 +2,7 @@
 """What an analysis found, saved with the object: entities of the current graphs, paths and bifurcations over λ.
 
 The curves and points themselves live in the objects of the collection '<object> analysis'
-(convert/analysis_objects.py); here is what lists, graphs and the overlay need to name, filter and select them.
+(scene/write/analysis_objects.py); here is what lists, graphs and the overlay need to name, filter and select them.
 """
 
 import bpy
