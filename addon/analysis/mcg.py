@@ -25,7 +25,7 @@ def morse_graph(decomposition: Any, mesh: Any, lam: float = 0.0) -> EntityGraph:
     that never merge get the greatest one of the graph). info: conley, poincare, faces, area, persistence, outflow,
     upper_bound, as in JSON.
     """
-    areas, centres = _face_areas(mesh)
+    areas, centres = mesh.face_areas, mesh.vertices[mesh.triangles].mean(axis=1)
     finite = [s.persistence for s in decomposition.sets if s.persistence is not None]
     greatest = max(finite, default=1.0)
     numbers = {"A": 0, "R": 0, "S": 0, "T": 0}
@@ -106,12 +106,6 @@ def _faces(entity: Entity) -> np.ndarray:
 
 def _number(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
-
-
-def _face_areas(mesh: Any) -> tuple[np.ndarray, np.ndarray]:
-    corners = np.asarray(mesh.vertices)[np.asarray(mesh.triangles)]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return 0.5 * np.linalg.norm(normals, axis=1), corners.mean(axis=1)
 
 
 def _middle(areas: np.ndarray, centres: np.ndarray) -> np.ndarray:

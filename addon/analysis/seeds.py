@@ -13,27 +13,26 @@ from ..model.errors import InputError
 
 Seeds = tuple[np.ndarray, np.ndarray]
 
-#: Candidates for each point that is kept, and the most points that are spread with so many.
-CANDIDATES, EVEN = 12, 3000
+#: Candidates for each point that is kept, and the largest number of points that are spread evenly.
+CANDIDATES, MAX_EVEN = 12, 3000
 
 
 def even_seeds(surface: Any, count: int, seed: int = 0) -> Seeds:
-    """`count` random points, each as far as it can be from those before (up to EVEN; further ones are random)."""
+    """`count` random points, each as far as it can be from those before (up to MAX_EVEN; further ones are random)."""
     random = np.random.default_rng(seed)
-    corners = surface.vertices[surface.triangles]
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    total = max(CANDIDATES * min(count, EVEN), count)
+    areas = surface.face_areas
+    total = max(CANDIDATES * min(count, MAX_EVEN), count)
     faces = random.choice(len(areas), total, p=areas / areas.sum()).astype(np.int32)
     barycentric = random.dirichlet([1.0, 1.0, 1.0], total)
     points = surface.positions(faces, barycentric)
     kept, distance = [], np.full(total, np.inf)
-    for _ in range(min(count, EVEN)):
+    for _ in range(min(count, MAX_EVEN)):
         farthest = int(np.argmax(distance))
         kept.append(farthest)
         distance = np.minimum(distance, ((points - points[farthest]) ** 2).sum(axis=1))
         distance[farthest] = -1.0
     others = np.setdiff1d(np.arange(total), kept)[: count - len(kept)]
-    chosen = np.concatenate([np.array(kept, np.int64), others]) if count > EVEN else np.array(kept, np.int64)
+    chosen = np.concatenate([np.array(kept, np.int64), others]) if count > MAX_EVEN else np.array(kept, np.int64)
     return faces[chosen], barycentric[chosen]
 
 
@@ -53,19 +52,17 @@ def vertex_seeds(surface: Any, vertices: np.ndarray) -> Seeds:
 def rings(surface: Any, seeds: Seeds, radius: float, count: int = 24) -> list[Seeds]:
     """A closed curve on the surface around each seed: a circle in its face's plane, projected to the closest points."""
     centers = surface.positions(*seeds)
-    corners = surface.vertices[surface.triangles[seeds[0]]]
-    x = corners[:, 1] - corners[:, 0]
-    normal = np.cross(x, corners[:, 2] - corners[:, 0])
-    y = np.cross(normal, x)
+    faces = seeds[0]
+    x = surface.vertices[surface.triangles[faces, 1]] - surface.vertices[surface.triangles[faces, 0]]
     x /= np.linalg.norm(x, axis=1, keepdims=True)
-    y /= np.linalg.norm(y, axis=1, keepdims=True)
+    y = np.cross(surface.face_normals[faces], x)
     angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
     circles = centers[:, None] + radius * (
         np.cos(angle)[None, :, None] * x[:, None] + np.sin(angle)[None, :, None] * y[:, None]
     )
-    faces, barycentric = surface.closest_points(circles.reshape(-1, 3))[:2]
+    found, barycentric = surface.closest_points(circles.reshape(-1, 3))[:2]
     around = [np.r_[i * count : (i + 1) * count, i * count] for i in range(len(centers))]
-    return [(faces[ring], barycentric[ring]) for ring in around]
+    return [(found[ring], barycentric[ring]) for ring in around]
 
 
 def normals_at(surface: Any, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:

@@ -23,7 +23,7 @@ def attributes_of(solution, stream: np.ndarray, index: int) -> dict[str, np.ndar
     vectors = {attribute: solution.fields[name].sample(index).to_space() for name, attribute in ATTRIBUTE.items()}
     speed = np.linalg.norm(vectors[ADVECTION], axis=1)
     mesh = solution.fields["advection"].mesh
-    turning = rotation(mesh.vertices, mesh.triangles, vectors[ADVECTION])
+    turning = rotation(mesh, vectors[ADVECTION])
     attributes = {**vectors, SPEED: speed, STREAM: stream[index], ROTATION: turning}
     return {name: np.asarray(values, np.float32) for name, values in attributes.items()}
 

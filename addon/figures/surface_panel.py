@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One view of a surface in a picture, drawn by matplotlib: the shaded surface as an image, what is on it as lines.
 
-Hidden parts are left out by the depth buffer of the view (view.py), so lines stay smooth.
+What is hidden is left out by the depth buffer of the view (view.py), so lines stay smooth.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,7 @@ PIXELS, MAP_PIXELS = 1100, 1800
 STREAMLINE = 1.1
 #: How much wider separatrices are.
 MARKED = 1.6
-#: Arrow heads on streamlines: distance along the line and length, in parts of the surface's size.
+#: Arrow heads on streamlines: distance along the line and length, over the surface's size.
 ARROW_EVERY, ARROW_LENGTH = 0.35, 0.02
 
 
@@ -101,9 +101,7 @@ class SurfacePanel:
         """(k, 3) of the faces that the points lie on."""
         if faces is None:
             faces = self.mesh.closest_points(np.ascontiguousarray(points, np.float64))[0]
-        a, b, c = (self.mesh.vertices[self.mesh.triangles[faces, k]] for k in range(3))
-        normals = np.cross(b - a, c - a)
-        return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        return self.mesh.face_normals[faces]
 
     def _seen(self, points: np.ndarray) -> np.ndarray:
         if not len(points):
@@ -162,7 +160,3 @@ class SurfacePanel:
             (north + 90) / 180 * rows, [f"{abs(d)}°{'S' if d < 0 else 'N' if d else ''}" for d in north]
         )
         self.axis.tick_params(labelsize=7)
-
-
-def _degrees(angle: int, negative: str, positive: str) -> str:
-    return f"{abs(angle)}°{negative if angle < 0 else positive if angle else ''}"

@@ -36,11 +36,8 @@ def choose_views(mesh: Any) -> tuple[View, ...]:
     vertices = mesh.vertices
     if mesh.euler_characteristic == 2 and np.abs(np.linalg.norm(vertices, axis=1) - 1.0).max() < 1e-12:
         return (View("", None),)
-    corners = vertices[mesh.triangles]
-    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    facing = area.sum(axis=0)
-    total = np.linalg.norm(area, axis=1).sum()
-    if np.linalg.norm(facing) > 0.7 * total:  # a sheet: seen as it lies
+    facing = (mesh.face_areas[:, None] * mesh.face_normals).sum(axis=0)
+    if np.linalg.norm(facing) > 0.7 * mesh.total_area:  # a sheet: seen as it lies
         return (View("", _axes(facing)),)
     towards = _broad_side(vertices)
     return (View("front", _axes(towards)), View("back", _axes(-towards)))

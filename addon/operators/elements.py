@@ -145,7 +145,7 @@ class STORMFIELD_OT_move_element(ElementOperator, bpy.types.Operator):
 
 
 class STORMFIELD_OT_element_preset(ElementOperator, bpy.types.Operator):
-    """Give the active element the settings of a kind of weather"""
+    """Give the active element the settings of one of these kinds of flow"""
 
     bl_idname = "stormfield.element_preset"
     bl_label = "Element Preset"

@@ -2,7 +2,7 @@
 """What an analysis found, saved with the object: entities of the current graphs, paths and bifurcations over λ.
 
 The curves and points themselves live in the objects of the collection '<object> analysis'
-(convert/analysis_objects.py); here is what lists, graphs and the overlay need to name, filter and select them.
+(scene/write/analysis_objects.py); here is what lists, graphs and the overlay need to name, filter and select them.
 """
 
 import bpy
@@ -21,9 +21,21 @@ from ..scene.write import selection, timeline
 
 #: The three lists, in the order of their tabs: (identifier, label, tooltip, icon, number).
 LISTS = (
-    ("ecg", "Now", "Fixed points, periodic orbits and their links at one λ", "NONE", 0),
-    ("history", "Over λ", "Paths of the fixed points over λ, and their bifurcations", "NONE", 1),
-    ("mcg", "Morse", "Morse sets: regions that hold all recurrence of the flow, and their order", "NONE", 2),
+    (
+        "ecg",
+        "Now",
+        "Fixed points, periodic orbits and their links at one λ: the entity connection graph (ECG)",
+        "NONE",
+        0,
+    ),
+    ("history", "Over λ", "Singularity paths of the fixed points over λ, and their bifurcations", "NONE", 1),
+    (
+        "mcg",
+        "Morse",
+        "Regions that enclose all recurrence of the flow, and their order: the Morse connection graph (MCG)",
+        "NONE",
+        2,
+    ),
 )
 #: Groups of the kind filter; every kind belongs to one of them.
 CATEGORIES = (

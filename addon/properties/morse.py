@@ -10,11 +10,16 @@ METHODS = (
     (
         "geometry",
         "Directions",
-        "By the direction in which the flow crosses each edge: fast, and Refine divides even what lies in one face",
+        "By the direction in which the flow crosses each edge (geometry map): fast, and Refine divides even faces",
         0,
     ),
-    ("tau", "Flow Time", "By where the flow takes each face in a time τ: finer, the longer", 1),
-    ("spatial", "Flow Length", "By where the flow takes each face over a length: even where the flow is slow", 2),
+    ("tau", "Flow Time", "By where the flow takes each face in a time τ (tau map): finer, the longer", 1),
+    (
+        "spatial",
+        "Flow Length",
+        "By where the flow takes each face over a length (spatial tau map): even where the flow is slow",
+        2,
+    ),
 )
 
 

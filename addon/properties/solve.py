@@ -44,7 +44,7 @@ class SolveProperties(bpy.types.PropertyGroup):
     )
     keep_solver: BoolProperty(
         name="Keep Solver",
-        description="Keep the solver in memory between edits (some 40 bytes per vertex and λ sample): solving again "
+        description="Keep the solver's state between edits (some 40 bytes per vertex and λ sample): solving again "
         "starts from the last field and takes about half the time. A bake solves from zero first, so its files "
         "never depend on earlier edits",
         default=True,

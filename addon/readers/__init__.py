@@ -11,6 +11,7 @@ Faults of the data are InputError naming file, place and cure. No bpy, no native
 
 from pathlib import Path
 
+from ..cache.layout import STAGE
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from .field_data import FieldData, NoFieldError
@@ -27,7 +28,7 @@ def read_field(
     cache."""
     path = _existing(path)
     ending = path.suffix.lower()
-    if path.is_dir() or path.name == "field.usda":
+    if _is_cache(path):
         from .cache_folder import read_cache
 
         return read_cache(path, attribute)
@@ -47,11 +48,15 @@ def read_field(
 def read_mesh(path: str | Path) -> MeshData:
     """The mesh of any of the files above, whether it carries a field or not."""
     path = _existing(path)
-    if path.is_dir() or path.name == "field.usda" or path.suffix.lower() in {".t", *GRIDS}:
+    if _is_cache(path) or path.suffix.lower() in {".t", *GRIDS}:
         return read_field(path).mesh
     from .point_data import read_surface
 
     return read_surface(path)[0]
+
+
+def _is_cache(path: Path) -> bool:
+    return path.is_dir() or path.name == STAGE
 
 
 def _existing(path: str | Path) -> Path:

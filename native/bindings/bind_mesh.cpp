@@ -71,6 +71,21 @@ py::array_t<double> toSpace(const MeshHandle& self, const py::object& values) {
   return result;
 }
 
+py::array_t<double> faceAreas(const MeshHandle& self) {
+  const TriangleMesh& mesh = self.mesh();
+  py::array_t<double> result(mesh.faceCount());
+  double* to = result.mutable_data();
+  for (Index f = 0; f < mesh.faceCount(); ++f) to[f] = mesh.faceArea(f);
+  return result;
+}
+
+py::array_t<double> faceNormals(const MeshHandle& self) {
+  const TriangleMesh& mesh = self.mesh();
+  Points result(mesh.faceCount(), 3);
+  for (Index f = 0; f < mesh.faceCount(); ++f) result.row(f) = mesh.faceNormal(f);
+  return fromPoints(result);
+}
+
 py::array_t<Index> components(const MeshHandle& self) {
   py::array_t<Index> result(self.mesh().vertexCount());
   for (Index v = 0; v < self.mesh().vertexCount(); ++v) result.mutable_at(v) = self.mesh().component(v);
@@ -141,6 +156,8 @@ void bind_mesh(py::module_& m) {
         return readOnlyView(p.data(), {p.rows(), 3}, self);
       },
       "(n, 3) float64, unit normals of the tangent planes at the vertices.");
+  mesh.def_property_readonly("face_areas", &faceAreas, "(m,) float64, square mesh units.");
+  mesh.def_property_readonly("face_normals", &faceNormals, "(m, 3) float64, unit normals of the triangles.");
   mesh.def_property_readonly("components", &components,
                              "(n,) int32: component of each vertex, -1 for vertices that no face uses.");
 

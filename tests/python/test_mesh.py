@@ -29,6 +29,13 @@ def test_reports_its_topology_and_size(mesh):
     np.testing.assert_allclose(np.abs(mesh.normals), 1 / np.sqrt(3))
 
 
+def test_reports_areas_and_unit_normals_of_its_faces(mesh):
+    np.testing.assert_allclose(mesh.face_areas, 2 * np.sqrt(3))
+    corners = mesh.vertices[mesh.triangles]
+    np.testing.assert_allclose(mesh.face_normals, corners.mean(axis=1) * np.sqrt(3), atol=1e-12)
+    assert mesh.face_areas.sum() == pytest.approx(mesh.total_area)
+
+
 def test_gives_its_arrays_back_read_only(mesh):
     np.testing.assert_array_equal(mesh.vertices, VERTICES)
     np.testing.assert_array_equal(mesh.triangles, TRIANGLES)

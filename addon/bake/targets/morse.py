@@ -4,10 +4,10 @@
 A number means the same set at every λ. From one sample to the next the field changes by at most |V' - V| at each
 vertex, and the sets of the geometry-based map of that error bound (native/morse/error_bound.h) enclose those of every
 field in between. So only sets inside the same enclosure can be one set before and after: of these, first those of the
-same kind, then those that share most of their area, then the nearest. What is left is new and gets a new number.
+same kind, then those that share most of their area, then the nearest. A set without a predecessor gets a new number.
 
     morse = MorseSamples(cache, mesh, settings)          # native mesh, task.MorseSettings
-    for j in range(len(cache.lambdas)):                  # in this order: each sample goes on from the last
+    for j in range(len(cache.lambdas)):                  # in this order: numbers continue from the last sample
         attributes = run(morse.steps(j, polygons))
 """
 
@@ -60,7 +60,7 @@ class MorseCache:
 
     def write(self, samples: list[int]) -> Steps[list[str]]:
         morse = MorseSamples(self._cache, fields.native_mesh(self._task.mesh), self._task.morse)
-        # Numbers go on from sample to sample: those before a missing one are found again.
+        # Numbers continue from sample to sample: those before a missing one are found again.
         count = samples[-1] + 1
         for j in range(count):
             message = f"Dividing the surface at sample {j + 1} of {len(self._cache.lambdas)}"
@@ -85,9 +85,7 @@ class Sets:
 class MorseSamples:
     def __init__(self, cache: FieldCache, mesh: Any, settings: MorseSettings):
         self._cache, self._mesh, self._settings = cache, mesh, settings
-        corners = np.asarray(mesh.vertices)[np.asarray(mesh.triangles)]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        self._areas, self._centres = 0.5 * np.linalg.norm(normals, axis=1), corners.mean(axis=1)
+        self._areas, self._centres = mesh.face_areas, mesh.vertices[mesh.triangles].mean(axis=1)
         self._last: tuple[Any, Sets] | None = None
         self._count = 0
 
@@ -95,7 +93,7 @@ class MorseSamples:
         """The attributes of sample `index`, int32 per polygon. Raises InputError where the settings cannot be used."""
         field = fields.field_at(self._cache.sample(index), self._settings.attribute, self._mesh)
         of, kinds = np.full(len(self._areas), -1, np.int32), np.empty(0, np.int32)
-        if np.any(field.values):  # a field that stands still everywhere has no sets
+        if np.any(field.values):  # a field that is zero everywhere has no sets
             job = native.start_morse(field, persistence=False, **self._settings.options())
             found = yield from result_of(job, 0.0, message, SETS_END)
             of = np.asarray(found.face_sets, np.int32)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import bpy
 
+from ...cache.layout import MANIFEST
 from ...cache.store import delete_cache
 from ..read.attached import NAMES, attached_folder
 from ..read.folders import cache_root, shown_folders, temporary_root
@@ -53,7 +54,7 @@ def delete_old_caches(root: Path, sort: str, keep: Collection[Path] = ()) -> lis
     """Delete all but the newest finished caches of a sort ("lambda", "frames"), those that the open file shows, and
     those to `keep`."""
     shown = shown_folders().union(keep)
-    finished = [manifest for manifest in root.glob(f"{sort}-*/manifest.json") if manifest.parent not in shown]
+    finished = [manifest for manifest in root.glob(f"{sort}-*/{MANIFEST}") if manifest.parent not in shown]
     finished.sort(key=lambda manifest: manifest.stat().st_mtime, reverse=True)
     old = [manifest.parent for manifest in finished[KEPT:]]
     for folder in old:
