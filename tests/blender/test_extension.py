@@ -10,6 +10,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from stormfield.version import VERSION
 
 pytest.importorskip("bpy")
 ROOT = Path(__file__).parents[2]
@@ -26,11 +27,11 @@ def wheel(tmp_path_factory):
         pytest.skip("stormfield_native is not built for this Python")
     tag = f"cp{sys.version_info.major}{sys.version_info.minor}"
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    path = tmp_path_factory.mktemp("wheel") / f"stormfield-0.1.0-{tag}-{tag}-{platform}.whl"
+    path = tmp_path_factory.mktemp("wheel") / f"stormfield-{VERSION}-{tag}-{tag}-{platform}.whl"
     with zipfile.ZipFile(path, "w") as archive:
         archive.write(found.origin, Path(found.origin).name)
         archive.writestr("stormfield/__init__.py", "")
-        archive.writestr("stormfield-0.1.0.dist-info/WHEEL", f"Wheel-Version: 1.0\nTag: {tag}-{tag}-{platform}\n")
+        archive.writestr(f"stormfield-{VERSION}.dist-info/WHEEL", f"Wheel-Version: 1.0\nTag: {tag}-{tag}-{platform}\n")
     return path
 
 
@@ -41,7 +42,7 @@ def extension(wheel, tmp_path_factory):
         [sys.executable, str(BUILDER), str(wheel), "--output", str(output)], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    return output / "stormfield-0.1.0.zip"
+    return output / f"stormfield-{VERSION}.zip"
 
 
 def test_the_zip_holds_the_addon_and_as_wheels_the_core_and_libraries(extension):
