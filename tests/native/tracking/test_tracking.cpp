@@ -8,8 +8,10 @@
 
 #include "base/message.h"
 #include "checks.h"
+#include "field/interpolation.h"
 #include "field/poincare_index.h"
 #include "long_tests.h"
+#include "topology/fixed_points.h"
 #include "tracked_fields.h"
 
 namespace stormfield::test {
