@@ -52,7 +52,8 @@ struct TargetRow {
   }
 };
 
-TargetRow rowOf(const TriangleMesh& mesh, const std::vector<EdgeDirections>& directions, Index f, bool holdsFixedPoint) {
+TargetRow rowOf(const TriangleMesh& mesh, const std::vector<EdgeDirections>& directions, Index f,
+                bool holdsFixedPoint) {
   TargetRow row;
   if (holdsFixedPoint) row.add(f);
   for (Index h = 3 * f; h < 3 * f + 3; ++h) {
@@ -81,7 +82,8 @@ bool holdsFixedPointOnEdge(const EndVectors& ends) {
 std::vector<EdgeDirections> edgeDirections(const VectorField& field) {
   const TriangleMesh& mesh = field.mesh();
   std::vector<EdgeDirections> result(mesh.edgeCount());
-  tbb::parallel_for(Index{0}, mesh.edgeCount(), [&](Index e) { result[e] = directionsAcross(field, mesh.edgeHalfedge(e)); });
+  tbb::parallel_for(Index{0}, mesh.edgeCount(),
+                    [&](Index e) { result[e] = directionsAcross(field, mesh.edgeHalfedge(e)); });
   return result;
 }
 

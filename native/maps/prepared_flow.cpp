@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/message.h"
 #include "maps/detail/divergence_bound.h"
+#include "maps/detail/error_checks.h"
 #include "maps/detail/flow_advector.h"
 #include "maps/detail/unit_speed_flow.h"
 #include "maps/fixed_point_faces.h"
