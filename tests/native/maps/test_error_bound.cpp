@@ -130,8 +130,8 @@ TEST(ErrorBoundedMap, FlatFacesRestAtTheirLeastSpeed) {
       }
       least = std::min(least, evaluate(field, {f, b}).norm());
     }
-    EXPECT_LE(bounded.restsFrom[f], least);
-    EXPECT_GE(bounded.restsFrom[f], least - 0.05);
+    EXPECT_LE(bounded.faceEpsilon[f], least);
+    EXPECT_GE(bounded.faceEpsilon[f], least - 0.05);
   }
 }
 
