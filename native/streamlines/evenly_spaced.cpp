@@ -9,26 +9,30 @@
 #include "streamlines/detail/face_velocity.h"
 #include "streamlines/detail/given_curves.h"
 #include "streamlines/detail/line_tracer.h"
-#include "streamlines/detail/surface_walk.h"
+#include "streamlines/detail/straightest_path.h"
 #include "streamlines/detail/taper.h"
 #include "tracing/trace.h"
 
 namespace stormfield {
 namespace {
 
-/// In parts of the distance d: where a line ends beside the samples of another, so that it is d / 2 from the line
-/// between them; the room that a seed beside a line needs; how finely gaps are looked for; how often seeds lie beside a
-/// line; the shortest line beside another, to fill a gap,
-/// and that is left of a given curve.
-constexpr double kTest = 0.525, kSeedRoom = 0.9, kGapResolution = 0.15, kSeedSpacing = 0.5, kShortBeside = 2.0,
-                 kShortInGap = 0.05, kShortGiven = 0.5;
-/// Between the points of a line: this part of d, or an edge where that is less, but no less than the last part of d.
-constexpr double kStep = 0.25, kShortestStep = 0.025;
-/// Rays around a source or sink, and the radius of the ring where they begin, in parts of d: their distance there is
+// In distances d:
+constexpr double kTest = 0.525;          ///< a line ends this near to the samples of another: d / 2 from it in between
+constexpr double kSeedRoom = 0.9;        ///< distance from all lines that a seed next to a line needs
+constexpr double kSeedSpacing = 0.5;     ///< between seeds along a line
+constexpr double kGapResolution = 0.15;  ///< gaps smaller than this are not looked for
+constexpr double kMinBeside = 2.0;       ///< length of the shortest line next to another
+constexpr double kMinInGap = 0.05;       ///< of the shortest line that fills a gap
+constexpr double kMinGiven = 0.5;        ///< of the shortest piece of a given curve
+constexpr double kMaxStep = 0.25, kMinStep = 0.025;  ///< between the points of a line: an edge, within these
+/// Rays around a source or sink, and the radius of the ring where they begin, in distances d. Their distance there is
 /// the radius, a little more than the test distance.
 constexpr int kRays = 6;
 constexpr double kRing = 0.57;
-constexpr double kSmallestDistance = 1.0 / 2000.0;
+/// A straightest path that is shorter than this fraction of what was asked has met the boundary.
+constexpr double kReached = 0.99;
+/// Smallest distance d, in sizes of the mesh.
+constexpr double kMinDistance = 1.0 / 2000.0;
 
 double fastestVertex(const VectorField& field) {
   double speed = 0.0;
@@ -49,17 +53,18 @@ void check(const FlatFaces& faces, const VectorField& field, const StreamlineFea
 
 LineRules makeRules(const TriangleMesh& mesh, const EvenSpacing& spacing) {
   const double d = spacing.distance;
-  const double step = std::clamp(mesh.meanEdgeLength(), kShortestStep * d, kStep * d);
-  const double most = 20.0 * mesh.totalArea() / (d * step) + 1000.0;
-  return {d, kTest * d, step, spacing.minSpeed, static_cast<std::size_t>(most)};
+  const double step = std::clamp(mesh.meanEdgeLength(), kMinStep * d, kMaxStep * d);
+  // Lines at the distance d have area / (d * step) points in all; no line has twenty times as many.
+  const double maxPoints = 20.0 * mesh.totalArea() / (d * step) + 1000.0;
+  return {d, kTest * d, step, spacing.minSpeed, static_cast<std::size_t>(maxPoints)};
 }
 
-/// Takes the last points away that are nearer to the place than this.
+/// Removes the last points that are nearer to the place than this.
 void endBefore(std::vector<LinePoint>& points, const Vec3& place, double distance) {
   while (points.size() > 1 && (points.back().position - place).norm() < distance) points.pop_back();
 }
 
-/// The steps of the method, in their order.
+/// The steps of the method, in their order: given curves, fixed points, lines next to lines, gaps.
 class Placement {
  public:
   Placement(const FlatFaces& faces, const VectorField& field, const EvenSpacing& spacing, Progress* progress)
@@ -82,8 +87,9 @@ class Placement {
  private:
   Vec3 at(const SurfacePoint& p) const { return position(faces_.mesh(), p); }
   bool hasRoom(const SurfacePoint& p, double radius);
-  bool addLine(const SurfacePoint& seed, Reach reach, double shortest);
+  bool addLine(const SurfacePoint& seed, Reach reach, double minLength);
   void keep(Line line, std::size_t firstSample);
+  void placeCurve(const GivenCurve& curve, Index number, std::vector<Vec3>& starts);
   void growBesideLines();
   double quietArea() const;
 
@@ -97,7 +103,7 @@ class Placement {
   SurfacePatch patch_;
   Progress* progress_;
   std::vector<Line> lines_;
-  std::size_t grown_ = 0;  ///< lines that have had their neighbours
+  std::size_t grownBeside_ = 0;  ///< number of lines that have their neighbours
   std::vector<SurfacePoint> gaps_;
 };
 
@@ -110,7 +116,7 @@ bool Placement::hasRoom(const SurfacePoint& p, double radius) {
 void Placement::keep(Line line, std::size_t firstSample) {
   double last = -2.0 * d_;
   for (std::size_t i = firstSample; i < samples_.size(); ++i) {
-    if (std::abs(samples_[i].arc - last) < 0.9 * kStep * d_) continue;
+    if (std::abs(samples_[i].arc - last) < 0.9 * kMaxStep * d_) continue;
     coverage_.add(samples_[i]);
     last = samples_[i].arc;
   }
@@ -118,10 +124,10 @@ void Placement::keep(Line line, std::size_t firstSample) {
   if (progress_ != nullptr) progress_->report(0.95 * coverage_.fraction());
 }
 
-bool Placement::addLine(const SurfacePoint& seed, Reach reach, double shortest) {
+bool Placement::addLine(const SurfacePoint& seed, Reach reach, double minLength) {
   const std::size_t firstSample = samples_.size();
   Line line = tracer_.trace(seed, static_cast<Index>(lines_.size()), reach, progress_);
-  if (line.points.size() < 2 || (!line.closed && line.length() < shortest)) {
+  if (line.points.size() < 2 || (!line.closed && line.length() < minLength)) {
     tracer_.forget();
     return false;
   }
@@ -129,75 +135,80 @@ bool Placement::addLine(const SurfacePoint& seed, Reach reach, double shortest) 
   return true;
 }
 
-/// Closed curves first: separatrices then end beside them.
+/// Closed curves first: separatrices then end next to them.
 void Placement::placeGiven(const std::vector<GivenCurve>& curves) {
   std::vector<Vec3> starts;
   for (const bool closed : {true, false}) {
     for (std::size_t i = 0; i < curves.size(); ++i) {
       if (curves[i].closed != closed) continue;
       if (progress_ != nullptr) progress_->check();
-      Line line;
-      line.points = evenPoints(faces_.mesh(), curves[i], rules_.step);
-      if (curves[i].leadsToPoint) endBefore(line.points, line.points.back().position, kRing * d_);
-      line.given = static_cast<Index>(i);
-      line.closed = closed;
-      line.fullStart = true;
-      starts.push_back(line.points.front().position);
-      const std::size_t firstSample = samples_.size();
-      const std::size_t whole = line.points.size();
-      addGivenCurve(line.points, closed, static_cast<Index>(lines_.size()), rules_, starts, faces_.mesh(), samples_);
-      if (line.points.size() < 2 || (!closed && line.length() < kShortGiven * d_)) {
-        while (samples_.size() > firstSample) samples_.dropLast();
-        starts.pop_back();
-        continue;
-      }
-      line.fullEnd = curves[i].endsOnBoundary && line.points.size() == whole;
-      if (curves[i].againstFlow) {
-        std::reverse(line.points.begin(), line.points.end());
-        std::swap(line.fullStart, line.fullEnd);
-      }
-      keep(std::move(line), firstSample);
+      placeCurve(curves[i], static_cast<Index>(i), starts);
     }
   }
 }
 
-/// A star of lines leaves sources and enters sinks; one line begins in the middle of swirls and centers. Saddles have
+/// starts: the first points of the given curves that are placed already; this one's is added.
+void Placement::placeCurve(const GivenCurve& curve, Index number, std::vector<Vec3>& starts) {
+  Line line;
+  line.points = evenPoints(faces_.mesh(), curve, rules_.step);
+  if (curve.leadsToPoint) endBefore(line.points, line.points.back().position, kRing * d_);
+  line.given = number;
+  line.closed = curve.closed;
+  line.fullStart = true;
+  starts.push_back(line.points.front().position);
+  const std::size_t firstSample = samples_.size(), whole = line.points.size();
+  addGivenCurve(line.points, curve.closed, static_cast<Index>(lines_.size()), rules_, starts, faces_.mesh(), samples_);
+  if (line.points.size() < 2 || (!curve.closed && line.length() < kMinGiven * d_)) {
+    while (samples_.size() > firstSample) samples_.dropLast();
+    starts.pop_back();
+    return;
+  }
+  line.fullEnd = curve.endsOnBoundary && line.points.size() == whole;
+  if (curve.againstFlow) {
+    std::reverse(line.points.begin(), line.points.end());
+    std::swap(line.fullStart, line.fullEnd);
+  }
+  keep(std::move(line), firstSample);
+}
+
+/// A star of lines leaves each source and enters each sink; one line begins next to a focus or center. Saddles have
 /// their separatrices.
 void Placement::beginAtFixedPoints(const std::vector<FixedPoint>& points) {
   for (const FixedPoint& p : points) {
     if (p.kind == FixedPointKind::Saddle || p.kind == FixedPointKind::Degenerate) continue;
     const double trace = p.jacobian.trace();
-    const bool swirls = trace * trace < 4.0 * p.jacobian.determinant();
+    const bool isFocus = trace * trace < 4.0 * p.jacobian.determinant();
     const bool source = p.kind == FixedPointKind::Source;
-    for (int ray = 0; ray < (swirls ? 1 : kRays); ++ray) {
+    for (int ray = 0; ray < (isFocus ? 1 : kRays); ++ray) {
       const Complex direction = std::polar(1.0, 2.0 * std::numbers::pi * ray / kRays);
-      const SurfaceWalk way = walkStraight(faces_, p.point, direction, kRing * d_);
-      if (way.length < 0.99 * kRing * d_ || !hasRoom(way.point, 0.95 * rules_.testDistance)) continue;
-      addLine(way.point, swirls ? Reach::Both : source ? Reach::Forward : Reach::Backward, d_);
+      const StraightestPath path = straightestPath(faces_, p.point, direction, kRing * d_);
+      if (path.length < kReached * kRing * d_ || !hasRoom(path.point, 0.95 * rules_.testDistance)) continue;
+      addLine(path.point, isFocus ? Reach::Both : source ? Reach::Forward : Reach::Backward, d_);
     }
   }
 }
 
-/// Seeds at the distance d on both sides of every line, line after line.
+/// Lines from seeds at the distance d on both sides of every line, line after line.
 void Placement::growBesideLines() {
-  for (; grown_ < lines_.size(); ++grown_) {
+  for (; grownBeside_ < lines_.size(); ++grownBeside_) {
     double sinceSeed = d_;
-    for (std::size_t k = 0; k < lines_[grown_].points.size(); ++k) {
-      const LinePoint p = lines_[grown_].points[k];
-      if (k > 0) sinceSeed += (p.position - lines_[grown_].points[k - 1].position).norm();
+    for (std::size_t k = 0; k < lines_[grownBeside_].points.size(); ++k) {
+      const LinePoint p = lines_[grownBeside_].points[k];
+      if (k > 0) sinceSeed += (p.position - lines_[grownBeside_].points[k - 1].position).norm();
       if (sinceSeed < kSeedSpacing * d_) continue;
       sinceSeed = 0.0;
       const Complex velocity = velocityAt(faces_, field_, p.point);
       if (std::abs(velocity) <= minSpeed_) continue;
       for (const double side : {1.0, -1.0}) {
-        const SurfaceWalk way = walkStraight(faces_, p.point, Complex(0.0, side) * velocity, d_);
-        if (way.length < 0.99 * d_ || !hasRoom(way.point, kSeedRoom * d_)) continue;
-        addLine(way.point, Reach::Both, kShortBeside * d_);
+        const StraightestPath path = straightestPath(faces_, p.point, Complex(0.0, side) * velocity, d_);
+        if (path.length < kReached * d_ || !hasRoom(path.point, kSeedRoom * d_)) continue;
+        addLine(path.point, Reach::Both, kMinBeside * d_);
       }
     }
   }
 }
 
+/// Lines next to lines, then through the widest gaps, until no gap takes a line.
 void Placement::fillGaps() {
   growBesideLines();
   for (bool added = true; added;) {
@@ -205,7 +216,7 @@ void Placement::fillGaps() {
     gaps_.clear();
     for (const Gap& gap : coverage_.findGaps(samples_, progress_)) {
       if (!hasRoom(gap.point, d_)) continue;
-      if (addLine(gap.point, Reach::Both, kShortInGap * d_)) {
+      if (addLine(gap.point, Reach::Both, kMinInGap * d_)) {
         added = true;
         growBesideLines();
       } else {
@@ -251,9 +262,9 @@ EvenStreamlines Placement::result() const {
 }  // namespace
 
 void checkSpacing(const TriangleMesh& mesh, const EvenSpacing& spacing) {
-  if (!(spacing.distance >= kSmallestDistance * mesh.size()) || !std::isfinite(spacing.distance)) {
+  if (!(spacing.distance >= kMinDistance * mesh.size()) || !std::isfinite(spacing.distance)) {
     throw InputError(message("the distance between streamlines is ", spacing.distance, "; give at least ",
-                             kSmallestDistance * mesh.size(), ", a 2000th of the size of the surface"));
+                             kMinDistance * mesh.size(), ", a 2000th of the size of the surface"));
   }
   if (!(spacing.minSpeed >= 0.0) || !std::isfinite(spacing.minSpeed)) {
     throw InputError(message("the least speed of streamlines is ", spacing.minSpeed, "; give a number of 0 or more"));

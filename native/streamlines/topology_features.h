@@ -1,4 +1,7 @@
-// What streamlines are placed around first: the periodic orbits, separatrices and fixed points of a field (thesis 3.4).
+// The curves and fixed points around which streamlines are placed first: periodic orbits, separatrices and fixed points
+// of a field (thesis 3.4).
+//
+//   const StreamlineFeatures features = featuresOf(findTopology(faces, field));
 #pragma once
 
 #include "streamlines/evenly_spaced.h"

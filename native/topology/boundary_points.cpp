@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// How many multiples of pi lie at or below an angle.
-int halfTurns(double angle) {
+/// Number of the last multiple of pi at or below an angle.
+int multiplesOfPi(double angle) {
   return static_cast<int>(std::floor(angle / kPi));
 }
 
@@ -32,23 +32,23 @@ std::vector<std::vector<Index>> boundaryLoops(const TriangleMesh& mesh) {
   return loops;
 }
 
-class BoundaryWalk {
+class LoopTangencies {
  public:
-  explicit BoundaryWalk(const VectorField& field)
-      : field_(field), mesh_(field.mesh()), turns_(edgeRotations(*field.charts, field.values.data())) {}
+  explicit LoopTangencies(const VectorField& field)
+      : field_(field), mesh_(field.mesh()), edgeRotations_(edgeRotations(*field.charts, field.values.data())) {}
 
-  void follow(const std::vector<Index>& loop) {
+  void addLoop(const std::vector<Index>& loop) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Index h = loop[i], next = loop[(i + 1) % loop.size()];
-      along(h);
-      around(h, next);
+      addAlong(h);
+      addAtHead(h, next);
     }
   }
   std::vector<BoundaryPoint> points;
 
  private:
-  /// Angle from a halfedge to the field at its tail or head, in (-pi, pi]. Always computed in this one way, so that
-  /// what is counted around a loop closes exactly.
+  /// Angle from a halfedge to the field at its tail or head, in (-pi, pi]. Computed in this one way everywhere, so that
+  /// the sum around a loop is an exact multiple of pi.
   double fromTail(Index h) const { return angle(mesh_.tail(h), field_.charts->tailAngle(h)); }
   double fromHead(Index h) const { return angle(mesh_.head(h), field_.charts->headAngle(h)); }
   double angle(Index v, double edgeAngle) const {
@@ -57,16 +57,17 @@ class BoundaryWalk {
     const double inside = a - 2.0 * kPi * std::round(a / (2.0 * kPi));
     return inside <= -kPi ? inside + 2.0 * kPi : inside;
   }
-  /// Full turns between an angle that was followed and the same one computed anew.
-  static int fullTurns(double followed, double anew) {
-    return static_cast<int>(std::lround((followed - anew) / (2.0 * kPi)));
+  /// Full rotations between an angle that was followed continuously and the same angle wrapped to (-pi, pi].
+  static int fullRotations(double followed, double wrapped) {
+    return static_cast<int>(std::lround((followed - wrapped) / (2.0 * kPi)));
   }
 
-  void along(Index h) {
+  /// The multiples of pi that the angle passes along an edge, as one point where the field is tangent.
+  void addAlong(Index h) {
     const Index e = mesh_.edge(h);
     const double from = fromTail(h), to = fromHead(h);
-    const double turn = mesh_.edgeHalfedge(e) == h ? turns_[e] : -turns_[e];
-    const int passed = halfTurns(to) + 2 * fullTurns(from + turn, to) - halfTurns(from);
+    const double rotation = mesh_.edgeHalfedge(e) == h ? edgeRotations_[e] : -edgeRotations_[e];
+    const int passed = multiplesOfPi(to) + 2 * fullRotations(from + rotation, to) - multiplesOfPi(from);
     if (passed == 0) return;
     const double atTail = std::abs(field_.values[mesh_.tail(h)]) * std::sin(from);
     const double atHead = std::abs(field_.values[mesh_.head(h)]) * std::sin(to);
@@ -74,10 +75,11 @@ class BoundaryWalk {
     add(h, fraction, -passed);
   }
 
-  void around(Index h, Index next) {
+  /// Those that it passes at the vertex between two edges, where the loop itself rotates by the exterior angle.
+  void addAtHead(Index h, Index next) {
     const double exterior = kPi - field_.charts->totalAngle(mesh_.head(h));
     const double from = fromHead(h), to = fromTail(next);
-    add(next, 0.0, -(halfTurns(to) + 2 * fullTurns(from - exterior, to) - halfTurns(from)));
+    add(next, 0.0, -(multiplesOfPi(to) + 2 * fullRotations(from - exterior, to) - multiplesOfPi(from)));
   }
 
   void add(Index h, double fraction, int halfIndex) {
@@ -94,7 +96,7 @@ class BoundaryWalk {
 
   const VectorField& field_;
   const TriangleMesh& mesh_;
-  std::vector<double> turns_;
+  std::vector<double> edgeRotations_;
 };
 
 }  // namespace
@@ -102,9 +104,9 @@ class BoundaryWalk {
 std::vector<BoundaryPoint> findBoundaryPoints(const VectorField& field) {
   const auto loops = boundaryLoops(field.mesh());
   if (loops.empty()) return {};
-  BoundaryWalk walk(field);
-  for (const auto& loop : loops) walk.follow(loop);
-  return std::move(walk.points);
+  LoopTangencies tangencies(field);
+  for (const auto& loop : loops) tangencies.addLoop(loop);
+  return std::move(tangencies.points);
 }
 
 }  // namespace stormfield

@@ -28,16 +28,17 @@ void addEigenvectors(const VertexCharts& charts, FixedPoint& p) {
   const double half = 0.5 * p.jacobian.trace(), det = p.jacobian.determinant();
   const double discriminant = half * half - det;
   if (discriminant < 0.0) {
-    const double turning = std::sqrt(-discriminant);
-    p.eigenvalues = {Complex(half, turning), Complex(half, -turning)};
+    const double frequency = std::sqrt(-discriminant);
+    p.eigenvalues = {Complex(half, frequency), Complex(half, -frequency)};
     return;
   }
-  // The one of larger size first, the other from the product: no cancellation.
+  // The eigenvalue of larger size first, the other from their product: neither sum cancels (Higham 2002, section 1.8).
   const double large = half + std::copysign(std::sqrt(discriminant), half);
   const double small = large == 0.0 ? 0.0 : det / large;
   p.eigenvalues = {std::max(large, small), std::min(large, small)};
   for (int i = 0; i < 2; ++i) {
-    // Columns of J - (the other eigenvalue) lie along the eigenvector.
+    // By Cayley and Hamilton both columns of J - (the other eigenvalue) lie along the eigenvector; the longer one is
+    // exact.
     const Eigen::Matrix2d along = p.jacobian - p.eigenvalues[1 - i].real() * Eigen::Matrix2d::Identity();
     const int column = along.col(0).squaredNorm() >= along.col(1).squaredNorm() ? 0 : 1;
     const Complex vector(along(0, column), along(1, column));
@@ -81,31 +82,15 @@ std::vector<FixedPoint> mergedAtVertices(const VectorField& field, const std::ve
 
 }  // namespace
 
-FixedPointKind classify(const Eigen::Matrix2d& jacobian, int index, double tolerance) {
+FixedPointKind classify(const Eigen::Matrix2d& jacobian, int index, double relativeTolerance) {
   const double det = jacobian.determinant(), trace = jacobian.trace();
   const double rotation = jacobian(1, 0) - jacobian(0, 1);
   // The sign of the determinant is the index of a simple zero.
   if (det * index <= 0.0 || std::abs(index) > 1) return FixedPointKind::Degenerate;
-  if (std::abs(det) < tolerance * tolerance * jacobian.squaredNorm()) return FixedPointKind::Degenerate;
+  if (std::abs(det) < relativeTolerance * relativeTolerance * jacobian.squaredNorm()) return FixedPointKind::Degenerate;
   if (det < 0.0) return FixedPointKind::Saddle;
-  if (std::abs(trace) < tolerance * std::abs(rotation)) return FixedPointKind::Center;
+  if (std::abs(trace) < relativeTolerance * std::abs(rotation)) return FixedPointKind::Center;
   return trace > 0.0 ? FixedPointKind::Source : FixedPointKind::Sink;
-}
-
-const char* name(FixedPointKind kind) {
-  switch (kind) {
-    case FixedPointKind::Source:
-      return "source";
-    case FixedPointKind::Sink:
-      return "sink";
-    case FixedPointKind::Saddle:
-      return "saddle";
-    case FixedPointKind::Center:
-      return "center";
-    case FixedPointKind::Degenerate:
-      break;
-  }
-  return "degenerate";
 }
 
 std::vector<FixedPoint> findFixedPoints(const VectorField& field, const FixedPointOptions& options) {

@@ -6,10 +6,13 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <utility>
 
 #include "base/message.h"
 #include "maps/geometry_map.h"
-#include "topology/detail/connection_graph.h"
+#include "topology/detail/entity_connection_graph.h"
+#include "topology/detail/orbit_band.h"
+#include "topology/detail/recurrent_components.h"
 #include "topology/detail/separatrix_directions.h"
 #include "topology/detail/streamline_search.h"
 
@@ -18,8 +21,6 @@ namespace {
 
 /// Nearer to each other than this, in mean edge lengths, two orbits are one.
 constexpr double kSameOrbit = 2e-4;
-/// Length of a separatrix' first step, in lengths of its face.
-constexpr double kFirstStep = 1e-3;
 
 class Stopwatch {
  public:
@@ -40,310 +41,274 @@ ZeroRegions countZeros(const VectorField& field) {
   ZeroRegions zeros;
   for (const Complex& v : field.values) zeros.vertices += v == 0.0 ? 1 : 0;
   for (Index f = 0; zeros.vertices > 0 && f < mesh.faceCount(); ++f) {
-    const auto zero = [&](int k) { return field.values[mesh.vertex(f, k)] == 0.0; };
-    zeros.faces += zero(0) && zero(1) && zero(2) ? 1 : 0;
+    const auto isZero = [&](int k) { return field.values[mesh.vertex(f, k)] == 0.0; };
+    zeros.faces += isZero(0) && isZero(1) && isZero(2) ? 1 : 0;
   }
   return zeros;
 }
 
-class Search {
+/// Per face whether it holds one of the fixed points, or has a zero vector at a corner.
+std::vector<char> facesWithZeros(const VectorField& field, const std::vector<FixedPoint>& points,
+                                 const ZeroRegions& zeros) {
+  const TriangleMesh& mesh = field.mesh();
+  std::vector<char> result(mesh.faceCount(), 0);
+  for (const FixedPoint& p : points) result[p.point.face] = 1;
+  for (Index f = 0; zeros.vertices > 0 && f < mesh.faceCount(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      if (field.values[mesh.vertex(f, k)] == 0.0) result[f] = 1;
+    }
+  }
+  return result;
+}
+
+std::vector<TrappingRegion> trappingRegions(const VectorField& field, const std::vector<FixedPoint>& points) {
+  std::vector<TrappingRegion> regions;
+  for (const FixedPoint& p : points) regions.push_back(trappingRegion(field, p));
+  return regions;
+}
+
+/// The place of each orbit in the order of the lowest faces that they cross, which does not depend on the order in
+/// which they were found.
+std::vector<Index> placesByLowestFace(const std::vector<PeriodicOrbit>& orbits) {
+  std::vector<std::pair<std::pair<Index, double>, Index>> keys;
+  for (std::size_t i = 0; i < orbits.size(); ++i) {
+    Index lowest = orbits[i].points.front().face;
+    for (const SurfacePoint& p : orbits[i].points) lowest = std::min(lowest, p.face);
+    keys.push_back({{lowest, orbits[i].length}, static_cast<Index>(i)});
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<Index> places(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) places[keys[i].second] = static_cast<Index>(i);
+  return places;
+}
+
+/// Rounds of streamlines and of tested candidates, until all streamlines have ended.
+class TopologySearch {
  public:
-  Search(const FlatFaces& faces, const VectorField& field, const TopologyOptions& options, Progress* progress)
+  TopologySearch(const FlatFaces& faces, const VectorField& field, const std::vector<FixedPoint>& points,
+                 const RecurrentComponents& components, const TopologyOptions& options, Progress* progress)
       : faces_(faces),
         field_(field),
         mesh_(field.mesh()),
+        points_(points),
+        components_(components),
         options_(options),
         progress_(progress),
-        watch_(result_.seconds),
+        regions_(trappingRegions(field, points)),
+        limitSets_(mesh_, points, regions_),
+        orbitSearch_(faces, field, components.of, {.bandTolerance = options.bandTolerance}),
         forward_(faces, field, Direction::Forward, options.tolerance),
         backward_(faces, field, Direction::Backward, options.tolerance) {}
 
-  Topology run() && {
-    result_.fixedPoints = findFixedPoints(field_, options_.fixedPoints);
-    result_.boundaryPoints = findBoundaryPoints(field_);
-    result_.zeros = countZeros(field_);
-    for (const FixedPoint& p : result_.fixedPoints) basins_.push_back(nodeBasin(field_, p));
-    watch_.lap("fixed_points");
-    findParts();
-    watch_.lap("recurrent_parts");
-    Destinations destinations(mesh_, result_.fixedPoints, basins_);
-    destinations_ = &destinations;
-    OrbitSearch orbits(faces_, field_, parts_.of, {.bandTolerance = options_.bandTolerance});
-    orbitSearch_ = &orbits;
-    setOut();
-    while (true) {
-      travel();
-      watch_.lap("streamlines");
-      if (!lookAtCandidates()) break;
-      watch_.lap("periodic_orbits");
+  void seedStreamlines(const std::vector<BoundaryPoint>& boundaryPoints) {
+    for (std::size_t i = 0; i < points_.size(); ++i) seedSeparatrices(static_cast<Index>(i));
+    for (std::size_t i = 0; i < points_.size(); ++i) seedBesideFixedPoint(static_cast<Index>(i));
+    for (const BoundaryPoint& p : boundaryPoints) {
+      if (p.halfIndex < 0) seedAtTangency(p);
     }
-    finish();
-    watch_.lap("links");
-    return std::move(result_);
+    for (const ComponentSeed& seed : components_.seeds) {
+      add({.point = seed.point, .direction = seed.direction, .component = seed.component});
+    }
+  }
+
+  /// All streamlines that have not ended, side by side.
+  void traceRound() {
+    std::vector<StreamlineSearch*> going;
+    for (StreamlineSearch& streamline : streamlines_) {
+      if (streamline.state() != StreamlineSearch::State::Ended) going.push_back(&streamline);
+    }
+    tbb::parallel_for(std::size_t{0}, going.size(), [&](std::size_t i) {
+      const CrossingTrace& trace = going[i]->direction() == Direction::Forward ? forward_ : backward_;
+      going[i]->trace(trace, limitSets_, components_.of, options_.maxSteps, progress_);
+    });
+    if (progress_ == nullptr) return;
+    progress_->check();
+    const auto ended = static_cast<double>(streamlines_.size() - going.size());
+    progress_->report(ended / static_cast<double>(streamlines_.size() + 1));
+  }
+
+  /// The first candidate of each component and direction; the others are deferred, as most of them lead to the same
+  /// orbit. False when there is none: all streamlines have ended.
+  bool testOrbitCandidates() {
+    const std::vector<StreamlineSearch*> candidates = firstCandidates();
+    std::vector<OrbitSearch::Outcome> outcomes(candidates.size());
+    tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+      if (progress_ != nullptr) progress_->check();
+      outcomes[i] = orbitSearch_.findFrom(candidates[i]->candidate(),
+                                          [&](const FoundOrbit& orbit) { return knownOrbit(orbit) != kNone; });
+    });
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (outcomes[i].orbit) {
+        acceptOrbit(*candidates[i], *outcomes[i].orbit);
+      } else if (outcomes[i].restart) {
+        candidates[i]->restartAt(*outcomes[i].restart);
+      } else {
+        candidates[i]->requireMoreReturns();
+      }
+    }
+    return !candidates.empty();
+  }
+
+  /// Orbits, separatrices and links of the result.
+  void collect(Topology& result) {
+    evidence_.ends.reserve(streamlines_.size());
+    for (const StreamlineSearch& streamline : streamlines_) evidence_.ends.push_back(streamline.end());
+    const std::vector<Index> places = placesByLowestFace(orbits_);
+    evidence_.renumberOrbits(places);
+    result.periodicOrbits.resize(orbits_.size());
+    for (std::size_t i = 0; i < orbits_.size(); ++i) result.periodicOrbits[places[i]] = std::move(orbits_[i]);
+    for (const auto& s : evidence_.separatrices) result.separatrices.push_back(separatrix(s));
+    result.links = entityLinks(points_, result.periodicOrbits, evidence_);
   }
 
  private:
-  void findParts() {
-    std::vector<char> resting(mesh_.faceCount(), 0);
-    for (const FixedPoint& p : result_.fixedPoints) {
-      resting[p.point.face] = 1;
-    }
-    for (Index f = 0; result_.zeros.vertices > 0 && f < mesh_.faceCount(); ++f) {
-      for (int k = 0; k < 3; ++k)
-        if (field_.values[mesh_.vertex(f, k)] == 0.0) resting[f] = 1;
-    }
-    parts_ = recurrentParts(field_, geometryMap(field_), resting);
+  // Seeds ------------------------------------------------------------------------------------------------------------
+
+  /// The number of a new streamline.
+  std::size_t add(const StreamlineSeed& seed) {
+    streamlines_.emplace_back(seed);
+    return streamlines_.size() - 1;
   }
 
-  // Setting out ------------------------------------------------------------------------------------------------------
-  std::size_t add(const SurfacePoint& from, Direction direction, bool keepsPoints = false, Index within = kNone) {
-    Journey& journey = journeys_.emplace_back();
-    journey.at = from;
-    journey.direction = direction;
-    journey.keepsPoints = keepsPoints;
-    journey.within = within;
-    return journeys_.size() - 1;
-  }
-
-  void setOut() {
-    for (std::size_t i = 0; i < result_.fixedPoints.size(); ++i) {
-      const FixedPoint& p = result_.fixedPoints[i];
-      for (const bool outgoing : {true, false}) {
-        for (const SeparatrixDirection& d : p.separatrices) {
-          if (d.outgoing == outgoing) addSeparatrix(static_cast<Index>(i), d);
-        }
+  /// Outgoing ones first.
+  void seedSeparatrices(Index saddle) {
+    for (const bool outgoing : {true, false}) {
+      for (const SeparatrixDirection& d : points_[saddle].separatrices) {
+        if (d.outgoing != outgoing) continue;
+        const std::size_t streamline = add({.point = separatrixStart(faces_, points_[saddle].point, d),
+                                            .direction = outgoing ? Direction::Forward : Direction::Backward,
+                                            .keepsPoints = true});
+        evidence_.separatrices.push_back({saddle, outgoing, streamline});
       }
     }
-    for (std::size_t i = 0; i < result_.fixedPoints.size(); ++i) {
-      const FixedPoint& p = result_.fixedPoints[i];
-      if (p.index <= 0) continue;
-      const Direction direction = basins_[i].forward && !basins_[i].backward ? Direction::Backward : Direction::Forward;
-      graph_.nodes.push_back({static_cast<Index>(i), direction == Direction::Forward, add(basins_[i].seed, direction)});
-    }
-    for (const BoundaryPoint& p : result_.boundaryPoints) {
-      if (p.halfIndex >= 0) continue;
-      graph_.tangencies.push_back({add(p.point, Direction::Forward), add(p.point, Direction::Backward)});
-    }
-    for (const PartSeed& seed : parts_.seeds) add(seed.point, seed.direction, false, seed.part);
   }
 
-  void addSeparatrix(Index saddle, const SeparatrixDirection& d) {
-    const FlatFace& flat = faces_[d.face];
-    const FixedPoint& p = result_.fixedPoints[saddle];
-    Complex apex = flat.point(p.point.barycentric);
-    for (const Sector& sector : sectorsAround(*field_.charts, p.point)) {
-      if (sector.face == d.face) apex = sector.apex;
-    }
-    // Not over the border of its face.
-    const Eigen::Vector3d b = flat.barycentric(apex), rate = flat.barycentricRate(d.direction);
-    double step = kFirstStep * std::sqrt(2.0 * mesh_.faceArea(d.face));
-    for (int k = 0; k < 3; ++k) {
-      if (rate[k] < 0.0 && b[k] > 0.0) step = std::min(step, -0.5 * b[k] / rate[k]);
-    }
-    Eigen::Vector3d start = (b + step * rate).cwiseMax(0.0);
-    start /= start.sum();
-    const std::size_t journey = add({d.face, start}, d.outgoing ? Direction::Forward : Direction::Backward, true);
-    graph_.separatrices.push_back({saddle, d.outgoing, journey});
+  /// From sources with the flow, from sinks against it.
+  void seedBesideFixedPoint(Index point) {
+    if (points_[point].index <= 0) return;
+    const TrappingRegion& region = regions_[point];
+    const Direction direction = region.forward && !region.backward ? Direction::Backward : Direction::Forward;
+    evidence_.fixedPoints.push_back({point, direction, add({.point = region.seed, .direction = direction})});
   }
 
-  // Rounds -----------------------------------------------------------------------------------------------------------
-  void travel() {
-    std::vector<std::size_t> going;
-    for (std::size_t i = 0; i < journeys_.size(); ++i) {
-      if (journeys_[i].state != Journey::State::Ended) going.push_back(i);
-    }
-    tbb::parallel_for(std::size_t{0}, going.size(), [&](std::size_t i) {
-      Journey& journey = journeys_[going[i]];
-      const FlowWalk& walk = journey.direction == Direction::Forward ? forward_ : backward_;
-      journey.travel(walk, *destinations_, parts_.of, options_, progress_);
-    });
-    if (progress_ != nullptr) {
-      progress_->check();
-      const auto ended = static_cast<double>(journeys_.size() - going.size());
-      progress_->report(ended / static_cast<double>(journeys_.size() + 1));
+  void seedAtTangency(const BoundaryPoint& p) {
+    const std::size_t forward = add({.point = p.point, .direction = Direction::Forward});
+    const std::size_t backward = add({.point = p.point, .direction = Direction::Backward});
+    evidence_.tangencies.push_back({forward, backward});
+  }
+
+  /// Away from both sides of an orbit: with the flow from a side that repels, against it from one that attracts.
+  void seedBesideOrbit(Index orbit, const OrbitSection& section) {
+    for (const OrbitSide side : kOrbitSides) {
+      const Direction away =
+          limitSets_.sideFlow(orbit, side) == SideFlow::Attracted ? Direction::Backward : Direction::Forward;
+      const double position = side == OrbitSide::Left ? section.low : section.high;
+      const std::size_t streamline = add({.point = section.section.point(mesh_, position, away), .direction = away});
+      evidence_.orbitSides.push_back({orbit, side, away, streamline});
     }
   }
 
-  /// The first candidate of each part and direction; the others wait for what comes of it. False when all have ended.
-  bool lookAtCandidates() {
-    std::vector<std::size_t> chosen;
-    std::map<std::pair<Index, bool>, std::size_t> first;
-    bool any = false;
-    for (std::size_t i = 0; i < journeys_.size(); ++i) {
-      Journey& journey = journeys_[i];
-      if (journey.state != Journey::State::CameBack) continue;
-      any = true;
-      const bool forward = journey.direction == Direction::Forward;
-      if (first.try_emplace({journey.candidate.part, forward}, i).second) {
-        chosen.push_back(i);
+  /// Marks the faces of an orbit's band, and seeds streamlines where it ends.
+  void seedBeyondBand(Index orbit, const FoundOrbit& found, Index component) {
+    const OrbitBand band =
+        findBand(faces_, field_, orbitSearch_, found, component, options_.tolerance, options_.bandTolerance, progress_);
+    for (const Index face : band.faces) limitSets_.addBandFace(face, orbit);
+    for (const OrbitSide side : kOrbitSides) {
+      if (!band.ends[side]) continue;
+      const std::size_t forward = add({.point = *band.ends[side], .direction = Direction::Forward});
+      const std::size_t backward = add({.point = *band.ends[side], .direction = Direction::Backward});
+      evidence_.bandEnds.push_back({orbit, forward, backward});
+    }
+  }
+
+  // Candidates -------------------------------------------------------------------------------------------------------
+
+  std::vector<StreamlineSearch*> firstCandidates() {
+    std::vector<StreamlineSearch*> chosen;
+    std::map<std::pair<Index, Direction>, StreamlineSearch*> first;
+    for (StreamlineSearch& streamline : streamlines_) {
+      if (streamline.state() != StreamlineSearch::State::Returned) continue;
+      if (first.try_emplace({streamline.candidate().component, streamline.direction()}, &streamline).second) {
+        chosen.push_back(&streamline);
       } else {
-        journey.wait();
+        streamline.defer();
       }
     }
-    std::vector<OrbitSearch::Outcome> found(chosen.size());
-    tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
-      if (progress_ != nullptr) progress_->check();
-      found[i] = orbitSearch_->follow(journeys_[chosen[i]].candidate,
-                                      [&](const FoundOrbit& orbit) { return knownOrbit(orbit) != kNone; });
-    });
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-      if (found[i].orbit) {
-        accept(chosen[i], std::move(*found[i].orbit));
-      } else if (found[i].onward) {
-        journeys_[chosen[i]].skipTo(*found[i].onward);
-      } else {
-        journeys_[chosen[i]].doubt();
-      }
-    }
-    return any;
+    return chosen;
   }
 
+  /// The orbit that has been found before, or kNone.
   Index knownOrbit(const FoundOrbit& found) const {
-    const bool inBand = found.closedAround || std::abs(found.orbit.multiplier - 1.0) <= options_.bandTolerance;
+    const bool inBand = found.inBand || std::abs(found.orbit.multiplier - 1.0) <= options_.bandTolerance;
     for (const EdgePassage& passage : found.passages) {
-      Index orbit = destinations_->orbitAt(passage, kSameOrbit * mesh_.meanEdgeLength());
+      Index orbit = limitSets_.orbitAt(passage, kSameOrbit * mesh_.meanEdgeLength());
       if (orbit == kNone && inBand && passage.halfedge != kNone) {
-        orbit = destinations_->bandAt(TriangleMesh::face(passage.halfedge));
+        orbit = limitSets_.bandAt(TriangleMesh::face(passage.halfedge));
       }
       if (orbit != kNone) return orbit;
     }
     return kNone;
   }
 
-  void accept(std::size_t traveller, FoundOrbit found) {
-    const Index part = journeys_[traveller].candidate.part;
-    Index orbit = knownOrbit(found);
-    if (orbit == kNone) {
-      orbit = destinations_->orbitCount();
-      destinations_->addOrbit(found);
-      result_.periodicOrbits.push_back(found.orbit);
-      if (found.orbit.kind == OrbitKind::Center) {
-        followBand(orbit, found, part);
-      } else {
-        leaveBothSides(orbit, found.best);
-      }
-    }
-    // The streamline that led here has arrived, unless the orbit sends away what comes from its side.
-    const SideFlow flow = destinations_->side(orbit, found.side);
-    const bool forward = journeys_[traveller].direction == Direction::Forward;
+  void acceptOrbit(StreamlineSearch& streamline, const FoundOrbit& found) {
+    const Index known = knownOrbit(found);
+    const Index orbit = known != kNone ? known : addOrbit(found, streamline.candidate().component);
+    // The streamline has ended there, unless the flow leaves the orbit on its side.
+    const SideFlow flow = limitSets_.sideFlow(orbit, found.foundSide);
+    const bool forward = streamline.direction() == Direction::Forward;
     if (flow == SideFlow::Closed || flow == (forward ? SideFlow::Attracted : SideFlow::Repelled)) {
-      destinations_->addSection(orbit, found.found);
-      journeys_[traveller].arrive({{EntityKind::PeriodicOrbit, orbit}, found.side});
+      limitSets_.addSection(orbit, found.foundSection);
+      streamline.endIn({{EntityKind::PeriodicOrbit, orbit}, found.foundSide});
     } else {
-      journeys_[traveller].doubt();
+      streamline.requireMoreReturns();
     }
   }
 
-  void leaveBothSides(Index orbit, const OrbitSection& section) {
-    for (const int side : {0, 1}) {
-      const Direction away =
-          destinations_->side(orbit, side) == SideFlow::Attracted ? Direction::Backward : Direction::Forward;
-      const double from = side == 0 ? section.low : section.high;
-      const std::size_t journey = add(section.section.point(mesh_, from, away), away);
-      graph_.sides.push_back({orbit, side, away == Direction::Forward, journey});
+  /// The number of a new orbit.
+  Index addOrbit(const FoundOrbit& found, Index component) {
+    const Index orbit = limitSets_.orbitCount();
+    limitSets_.addOrbit(found);
+    orbits_.push_back(found.orbit);
+    if (found.orbit.kind == OrbitKind::Center) {
+      seedBeyondBand(orbit, found, component);
+    } else {
+      seedBesideOrbit(orbit, found.bestSection);
     }
+    return orbit;
   }
 
-  /// Across a band along the streamlines of the field turned by a right angle: every face of the band is marked, and
-  /// streamlines set out from where it ends.
-  void followBand(Index orbit, const FoundOrbit& found, Index part) {
-    VectorField turned = field_;
-    for (Complex& v : turned.values) v *= Complex(0.0, 1.0);
-    for (const SurfacePoint& p : found.orbit.points) destinations_->addBandFace(p.face, orbit);
-    for (const Direction direction : {Direction::Forward, Direction::Backward}) {
-      FlowWalk across(faces_, turned, direction, options_.tolerance);
-      const int side = direction == Direction::Forward ? 0 : 1;
-      across.run(found.best.section.point(mesh_, found.best.position, Direction::Forward),
-                 [&](const SurfacePoint& p, double, const EdgePassage& passage) {
-                   if (progress_ != nullptr) progress_->check();
-                   if (!passage) return true;
-                   return stepOverBand(orbit, side, p, passage, part, found.crossings);
-                 });
-    }
-  }
-  bool stepOverBand(Index orbit, int side, const SurfacePoint& p, const EdgePassage& passage, Index part,
-                    Index crossings) {
-    // The edge as the field itself crosses it.
-    Index h = passage.halfedge;
-    double fraction = passage.fraction;
-    if (h == kNone) {
-      h = crossedAt(field_, passage.vertex, true);
-      fraction = 0.05;
-      if (h == kNone) return true;
-    }
-    const auto ends = acrossEnds(field_, h);
-    const double across = (1.0 - fraction) * ends[0] + fraction * ends[1];
-    if (std::abs(across) < 0.1 * (std::abs(ends[0]) + std::abs(ends[1]))) return true;
-    if (across < 0.0) {
-      h = mesh_.twin(h);
-      fraction = 1.0 - fraction;
-    }
-    std::vector<Index> crossed;
-    if (!orbitSearch_->closes(h, fraction, part, 4 * crossings, options_.bandTolerance, &crossed)) {
-      const std::size_t onward = add(p, Direction::Forward), back = add(p, Direction::Backward);
-      graph_.bandSides.push_back({orbit, side, onward, back});
-      return false;
-    }
-    for (const Index face : crossed) destinations_->addBandFace(face, orbit);
-    return true;
-  }
+  // The result -------------------------------------------------------------------------------------------------------
 
-  // The end ----------------------------------------------------------------------------------------------------------
-  void finish() {
-    graph_.journeyEnds.reserve(journeys_.size());
-    for (const Journey& journey : journeys_) graph_.journeyEnds.push_back(journey.end);
-    sortOrbits();
-    for (const auto& s : graph_.separatrices) {
-      Journey& journey = journeys_[s.journey];
-      Separatrix separatrix{s.saddle,
-                            s.outgoing,
-                            graph_.journeyEnds[s.journey].entity,
-                            std::move(journey.points),
-                            std::move(journey.times),
-                            journey.length};
-      const FixedPoint& saddle = result_.fixedPoints[s.saddle];
-      separatrix.length += (position(mesh_, separatrix.points.front()) - saddle.position).norm();
-      separatrix.points.insert(separatrix.points.begin(), saddle.point);
-      separatrix.times.insert(separatrix.times.begin(), 0.0);
-      result_.separatrices.push_back(std::move(separatrix));
-    }
-    result_.links = connectionGraph(result_, graph_);
-  }
-
-  /// By the lowest face that they cross, whatever order they were found in.
-  void sortOrbits() {
-    std::vector<std::pair<std::pair<Index, double>, Index>> keys;
-    for (std::size_t i = 0; i < result_.periodicOrbits.size(); ++i) {
-      const PeriodicOrbit& orbit = result_.periodicOrbits[i];
-      Index lowest = mesh_.faceCount();
-      for (const SurfacePoint& p : orbit.points) lowest = std::min(lowest, p.face);
-      keys.push_back({{lowest, orbit.length}, static_cast<Index>(i)});
-    }
-    std::sort(keys.begin(), keys.end());
-    std::vector<PeriodicOrbit> sorted;
-    std::vector<Index> place(keys.size());
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      place[keys[i].second] = static_cast<Index>(i);
-      sorted.push_back(std::move(result_.periodicOrbits[keys[i].second]));
-    }
-    result_.periodicOrbits = std::move(sorted);
-    graph_.renumberOrbits(place);
+  /// The curve of its streamline, continued to the saddle.
+  Separatrix separatrix(const ConnectionEvidence::OfSeparatrix& s) {
+    StreamlineSearch& streamline = streamlines_[s.streamline];
+    Separatrix result{s.saddle,
+                      s.outgoing,
+                      evidence_.ends[s.streamline].entity,
+                      std::move(streamline.points()),
+                      std::move(streamline.times()),
+                      streamline.length()};
+    const FixedPoint& saddle = points_[s.saddle];
+    result.length += (position(mesh_, result.points.front()) - saddle.position).norm();
+    result.points.insert(result.points.begin(), saddle.point);
+    result.times.insert(result.times.begin(), 0.0);
+    return result;
   }
 
   const FlatFaces& faces_;
   const VectorField& field_;
   const TriangleMesh& mesh_;
+  const std::vector<FixedPoint>& points_;
+  const RecurrentComponents& components_;
   const TopologyOptions& options_;
   Progress* progress_;
-  Topology result_;
-  Stopwatch watch_;
-  FlowWalk forward_, backward_;
-  std::vector<NodeBasin> basins_;
-  RecurrentParts parts_;
-  Destinations* destinations_ = nullptr;
-  OrbitSearch* orbitSearch_ = nullptr;
-  std::deque<Journey> journeys_;
-  ConnectionEvidence graph_;
+  const std::vector<TrappingRegion> regions_;
+  KnownLimitSets limitSets_;
+  const OrbitSearch orbitSearch_;
+  const CrossingTrace forward_, backward_;
+  std::deque<StreamlineSearch> streamlines_;  // a deque: candidates keep their addresses while streamlines are added
+  std::vector<PeriodicOrbit> orbits_;         // in the order in which they are found
+  ConnectionEvidence evidence_;
 };
 
 void check(const FlatFaces& faces, const VectorField& field, const TopologyOptions& options) {
@@ -365,7 +330,28 @@ void check(const FlatFaces& faces, const VectorField& field, const TopologyOptio
 Topology findTopology(const FlatFaces& faces, const VectorField& field, const TopologyOptions& options,
                       Progress* progress) {
   check(faces, field, options);
-  return Search(faces, field, options, progress).run();
+  Topology result;
+  Stopwatch watch(result.seconds);
+  result.fixedPoints = findFixedPoints(field, options.fixedPoints);
+  result.boundaryPoints = findBoundaryPoints(field);
+  result.zeros = countZeros(field);
+  watch.lap("fixed_points");
+
+  const RecurrentComponents components =
+      recurrentComponents(field, geometryMap(field), facesWithZeros(field, result.fixedPoints, result.zeros));
+  watch.lap("recurrent_components");
+
+  TopologySearch search(faces, field, result.fixedPoints, components, options, progress);
+  search.seedStreamlines(result.boundaryPoints);
+  while (true) {
+    search.traceRound();
+    watch.lap("streamlines");
+    if (!search.testOrbitCandidates()) break;
+    watch.lap("periodic_orbits");
+  }
+  search.collect(result);
+  watch.lap("links");
+  return result;
 }
 
 }  // namespace stormfield

@@ -3,21 +3,26 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace stormfield {
 namespace {
 
-constexpr int kNewtonSteps = 30;
-constexpr int kCuts = 45;
-/// |V| at a zero, as part of the largest corner vector: round-off of a blend of three.
+constexpr int kMaxNewtonSteps = 30;
+constexpr int kMaxCuts = 45;  ///< halves the face's sides down to round-off
+/// |V| at a zero over the largest corner vector: round-off of a blend of three.
 constexpr double kZero = 4e-15;
+/// A segment is halved at least and at most so often, and as long as the field rotates by kClearRotation (radians) or
+/// more between its ends: a smaller rotation is taken as it is, without a full turn.
+constexpr int kMinHalvings = 2, kMaxHalvings = 30;
+constexpr double kClearRotation = 0.8;
 
 double cross(Complex a, Complex b) {
   return a.real() * b.imag() - a.imag() * b.real();
 }
 
-/// Turn from a to b in (-pi, pi].
-double turnBetween(Complex a, Complex b) {
+/// Rotation from a to b in (-pi, pi].
+double rotationBetween(Complex a, Complex b) {
   return std::arg(b * std::conj(a));
 }
 
@@ -26,12 +31,12 @@ Eigen::Vector3d clamped(Eigen::Vector3d b) {
   return b / b.sum();
 }
 
-struct Candidate {
+struct ZeroEstimate {
   Complex point = 0.0;
   double magnitude = std::numeric_limits<double>::infinity();
-  bool signFits = false;
+  bool signFits = false;  ///< the Jacobian's determinant has the sign of the index
 
-  bool better(const Candidate& other) const {
+  bool better(const ZeroEstimate& other) const {
     const bool zero = magnitude <= kZero, otherZero = other.magnitude <= kZero;
     if (zero != otherZero) return zero;
     if (zero && signFits != other.signFits) return signFits;
@@ -39,24 +44,27 @@ struct Candidate {
   }
 };
 
-/// A corner of a part of the face. Corners of the face itself have no single vector: it depends on the approach.
-struct Node {
+/// A corner of a piece of the face. At a corner of the face itself the field has no single vector: its limit depends on
+/// the direction of approach.
+struct PieceCorner {
   Complex point;
-  int corner = -1;
+  std::optional<int> faceCorner = std::nullopt;
 };
+using Piece = std::array<PieceCorner, 3>;
 
 class FaceSearch {
  public:
   FaceSearch(const FaceInterpolant& local, int index) : local_(local), index_(index) {}
 
-  Candidate newton(Complex start) const {
-    Candidate best;
+  /// The best estimate on the path of Newton's method, which is kept inside the face.
+  ZeroEstimate newton(Complex start) const {
+    ZeroEstimate best;
     Complex p = start;
-    for (int step = 0; step < kNewtonSteps; ++step) {
+    for (int step = 0; step < kMaxNewtonSteps; ++step) {
       const Complex value = local_.evaluate(p);
       const Eigen::Matrix2d j = local_.jacobian(p);
       const double det = j.determinant();
-      const Candidate here{p, std::abs(value), det * index_ > 0.0};
+      const ZeroEstimate here{p, std::abs(value), det * index_ > 0.0};
       if (here.better(best)) best = here;
       // Beyond round-off further steps would only wander.
       if (det == 0.0 || (here.magnitude <= kZero && here.signFits)) break;
@@ -79,11 +87,13 @@ class FaceSearch {
     return b.minCoeff() >= 0.0 && b.sum() > 0.0 ? local_.point(b / b.sum()) : centroid;
   }
 
-  Candidate cut(Candidate best) const {
-    std::array<Node, 3> part{Node{local_.corners[0], 0}, Node{local_.corners[1], 1}, Node{local_.corners[2], 2}};
-    for (int round = 0; round < kCuts; ++round) {
-      part = windingChild(part);
-      const Candidate found = newton((part[0].point + part[1].point + part[2].point) / 3.0);
+  /// Bisection by degree, with a try of Newton's method from the middle of each piece.
+  ZeroEstimate cut(ZeroEstimate best) const {
+    Piece piece{PieceCorner{local_.corners[0], 0}, PieceCorner{local_.corners[1], 1},
+                PieceCorner{local_.corners[2], 2}};
+    for (int round = 0; round < kMaxCuts; ++round) {
+      piece = windingQuarter(piece);
+      const ZeroEstimate found = newton((piece[0].point + piece[1].point + piece[2].point) / 3.0);
       if (found.better(best)) best = found;
       if (best.magnitude <= kZero && best.signFits) break;
     }
@@ -91,45 +101,46 @@ class FaceSearch {
   }
 
  private:
-  Complex valueAt(const Node& at, const Node& seenFrom) const {
-    return at.corner < 0 ? local_.evaluate(at.point) : limitAt(at.corner, seenFrom.point);
+  Complex valueAt(const PieceCorner& at, const PieceCorner& seenFrom) const {
+    return at.faceCorner ? limitAt(*at.faceCorner, seenFrom.point) : local_.evaluate(at.point);
   }
   Complex limitAt(int corner, Complex from) const { return local_.towards(corner, from - local_.corners[corner]); }
 
-  /// Turn along the segment, halved until each piece is unmistakable.
-  double turn(const Node& a, const Node& b, int depth) const {
-    const double whole = turnBetween(valueAt(a, b), valueAt(b, a));
-    if (depth >= 2 && (std::abs(whole) < 0.8 || depth > 30)) return whole;
-    const Node middle{0.5 * (a.point + b.point)};
-    return turn(a, middle, depth + 1) + turn(middle, b, depth + 1);
+  /// Rotation of the field along the segment, which is halved until each piece is unmistakable.
+  double rotation(const PieceCorner& a, const PieceCorner& b, int depth) const {
+    const double whole = rotationBetween(valueAt(a, b), valueAt(b, a));
+    if (depth >= kMinHalvings && (std::abs(whole) < kClearRotation || depth > kMaxHalvings)) return whole;
+    const PieceCorner middle{0.5 * (a.point + b.point)};
+    return rotation(a, middle, depth + 1) + rotation(middle, b, depth + 1);
   }
 
-  int winding(const std::array<Node, 3>& part) const {
+  /// Poincare index of the piece.
+  int winding(const Piece& piece) const {
     double sum = 0.0;
     for (int k = 0; k < 3; ++k) {
-      const Node &at = part[k], &onward = part[(k + 1) % 3], &before = part[(k + 2) % 3];
-      sum += turn(at, onward, 0);
-      if (at.corner >= 0) {
-        sum += local_.twist[at.corner] * turnBetween(before.point - at.point, onward.point - at.point);
+      const PieceCorner &at = piece[k], &onward = piece[(k + 1) % 3], &before = piece[(k + 2) % 3];
+      sum += rotation(at, onward, 0);
+      if (at.faceCorner) {
+        sum += local_.twist[*at.faceCorner] * rotationBetween(before.point - at.point, onward.point - at.point);
       }
     }
     return static_cast<int>(std::lround(sum / (2.0 * std::numbers::pi)));
   }
 
-  std::array<Node, 3> windingChild(const std::array<Node, 3>& part) const {
-    const Node m0{0.5 * (part[1].point + part[2].point)}, m1{0.5 * (part[2].point + part[0].point)},
-        m2{0.5 * (part[0].point + part[1].point)};
-    const std::array<std::array<Node, 3>, 4> children{
-        {{m0, m1, m2}, {part[0], m2, m1}, {m2, part[1], m0}, {m1, m0, part[2]}}};
+  /// The quarter whose winding fits the index best.
+  Piece windingQuarter(const Piece& piece) const {
+    const PieceCorner m0{0.5 * (piece[1].point + piece[2].point)}, m1{0.5 * (piece[2].point + piece[0].point)},
+        m2{0.5 * (piece[0].point + piece[1].point)};
+    const std::array<Piece, 4> quarters{{{m0, m1, m2}, {piece[0], m2, m1}, {m2, piece[1], m0}, {m1, m0, piece[2]}}};
     int chosen = 0, most = 0;
     for (int c = 0; c < 4; ++c) {
-      const int fitting = winding(children[c]) * (index_ > 0 ? 1 : -1);
+      const int fitting = winding(quarters[c]) * (index_ > 0 ? 1 : -1);
       if (fitting > most || (most == 0 && fitting < 0)) {
         chosen = c;
         most = std::max(fitting, 0);
       }
     }
-    return children[chosen];
+    return quarters[chosen];
   }
 
   const FaceInterpolant& local_;
@@ -148,7 +159,7 @@ Eigen::Vector3d findZero(const FaceInterpolant& local, int index) {
   for (Complex& vector : unit.carried) vector /= largest;
 
   const FaceSearch search(unit, index);
-  Candidate best = search.newton(search.linearGuess());
+  ZeroEstimate best = search.newton(search.linearGuess());
   if (best.magnitude > kZero || !best.signFits) best = search.cut(best);
   return clamped(unit.barycentric(best.point));
 }

@@ -14,7 +14,7 @@ namespace stormfield {
 namespace {
 
 /// Steps of the search for the lambda where the trace is zero, inside one face.
-constexpr int kHopfSteps = 4;
+constexpr int kMaxHopfSteps = 4;
 
 void check(const TrackingOptions& options) {
   if (!(options.relativeTolerance >= 0.0 && options.relativeTolerance < 1.0)) {
@@ -50,27 +50,28 @@ PathEnd endOf(Index crossing, Index other) {
   return other == kNone ? PathEnd::Boundary : PathEnd::Bifurcation;
 }
 
-TrackedPath summary(const FaceWay& way, const std::vector<JetSample>& jets) {
+TrackedPath summary(const ChargePath& charge, const std::vector<JetSample>& jets) {
   TrackedPath path;
-  path.index = way.charge;
-  path.begin = endOf(way.begin, way.partner);
-  path.end = endOf(way.end, way.rival);
+  path.index = charge.charge;
+  path.begin = endOf(charge.begin, charge.createdWith);
+  path.end = endOf(charge.end, charge.annihilatedWith);
   path.strength = mean(jets, [](const Eigen::Matrix2d& j) { return std::sqrt(std::abs(j.determinant())); });
   path.rotation = mean(jets, rotationOf);
   for (const JetSample& jet : jets) {
-    if (jet.inSample) path.samples.push_back(jet.sample);
+    if (jet.listed) path.samples.push_back(jet.sample);
   }
-  path.kind = mostly(path.samples);
+  path.kind = prevailingKind(path.samples);
   return path;
 }
 
 // Hopf bifurcations -------------------------------------------------------------------------------------------------
 
-/// The two jets between which the trace changes its sign lie in one face, or on both sides of one edge.
-Bifurcation hopfBetween(const WaySampler& sampler, const JetSample& a, const JetSample& b) {
+/// Between two jets whose traces differ in sign: by false position within one face; where they lie on the two sides of
+/// an edge, the nearer one to zero.
+Bifurcation hopfBetween(const PathSampler& sampler, const JetSample& a, const JetSample& b) {
   JetSample low = a, high = b;
   const bool inside = a.sample.point.face == b.sample.point.face && a.sample.lambda < b.sample.lambda;
-  for (int step = 0; inside && step < kHopfSteps; ++step) {
+  for (int step = 0; inside && step < kMaxHopfSteps; ++step) {
     const double from = low.jacobian.trace(), to = high.jacobian.trace();
     const double lambda = low.sample.lambda + from / (from - to) * (high.sample.lambda - low.sample.lambda);
     if (!(lambda > low.sample.lambda && lambda < high.sample.lambda)) break;
@@ -87,26 +88,27 @@ Bifurcation hopfBetween(const WaySampler& sampler, const JetSample& a, const Jet
   return result;
 }
 
-/// Signs of the trace are believed where the damping ratio exceeds the tolerance; of the changes between two believed
-/// signs (an odd number) the middle one counts.
-std::vector<Bifurcation> hopfBifurcations(const WaySampler& sampler, const std::vector<JetSample>& jets,
+/// Sources that become sinks, or back (Hopf 1942): the trace changes its sign while the determinant is positive. A sign
+/// is certain where the damping ratio exceeds the tolerance; of the changes between two certain signs (an odd number)
+/// the middle one counts.
+std::vector<Bifurcation> hopfBifurcations(const PathSampler& sampler, const std::vector<JetSample>& jets,
                                           double damping) {
   std::vector<Bifurcation> result;
   std::vector<std::pair<const JetSample*, const JetSample*>> changes;
   const JetSample* before = nullptr;
-  bool believed = false, outward = false;
+  bool certain = false, outward = false;
   for (const JetSample& jet : jets) {
     const double det = jet.jacobian.determinant(), trace = jet.jacobian.trace();
     if (det <= 0.0 || trace == 0.0) continue;
     if (before != nullptr && before->jacobian.trace() * trace < 0.0) changes.emplace_back(before, &jet);
     before = &jet;
     if (std::abs(trace) <= 2.0 * damping * std::sqrt(det)) continue;
-    if (believed && outward != (trace > 0.0)) {
+    if (certain && outward != (trace > 0.0)) {
       const auto [last, next] = changes[changes.size() / 2];
       result.push_back(hopfBetween(sampler, *last, *next));
       result.back().node = trace > 0.0 ? FixedPointKind::Source : FixedPointKind::Sink;
     }
-    believed = true;
+    certain = true;
     outward = trace > 0.0;
     changes.clear();
   }
@@ -115,13 +117,12 @@ std::vector<Bifurcation> hopfBifurcations(const WaySampler& sampler, const std::
 
 // Pairs ---------------------------------------------------------------------------------------------------------------
 
-/// Source or sink, by the trace of the node next to its end.
-FixedPointKind nodeKind(const std::vector<JetSample>& jets, bool atBegin) {
-  const JetSample& jet = atBegin ? jets.front() : jets.back();
+/// Source or sink, by the trace of the node next to where it meets the saddle.
+FixedPointKind nodeKind(const JetSample& jet) {
   return jet.jacobian.trace() > 0.0 ? FixedPointKind::Source : FixedPointKind::Sink;
 }
 
-Bifurcation pairEvent(const ZeroCrossing& crossing, const TriangleMesh& mesh, const WaySampler& sampler,
+Bifurcation pairEvent(const ZeroCrossing& crossing, const TriangleMesh& mesh, const PathSampler& sampler,
                       BifurcationKind kind, FixedPointKind node, std::array<Index, 2> paths) {
   Bifurcation result;
   result.lambda = crossing.lambda;
@@ -133,53 +134,49 @@ Bifurcation pairEvent(const ZeroCrossing& crossing, const TriangleMesh& mesh, co
   return result;
 }
 
-}  // namespace
-
-const char* name(BifurcationKind kind) {
-  switch (kind) {
-    case BifurcationKind::Creation:
-      return "creation";
-    case BifurcationKind::Annihilation:
-      return "annihilation";
-    case BifurcationKind::Hopf:
-      break;
+/// Creation, Hopf bifurcations and annihilation of a path of index +1, in this order.
+std::vector<Bifurcation> eventsOf(const ChargePath& path, Index number, const std::vector<JetSample>& jets,
+                                  const PathSampler& sampler, const std::vector<ZeroCrossing>& crossings,
+                                  const TriangleMesh& mesh, double hopfDamping) {
+  std::vector<Bifurcation> events;
+  if (path.createdWith != kNone) {
+    events.push_back(pairEvent(crossings[path.begin], mesh, sampler, BifurcationKind::Creation, nodeKind(jets.front()),
+                               {number, path.createdWith}));
   }
-  return "hopf";
+  for (Bifurcation& hopf : hopfBifurcations(sampler, jets, hopfDamping)) {
+    hopf.paths = {number, kNone};
+    events.push_back(hopf);
+  }
+  if (path.annihilatedWith != kNone) {
+    events.push_back(pairEvent(crossings[path.end], mesh, sampler, BifurcationKind::Annihilation, nodeKind(jets.back()),
+                               {number, path.annihilatedWith}));
+  }
+  return events;
 }
+
+}  // namespace
 
 Tracking trackFixedPoints(const ParameterizedField& field, const TrackingOptions& options, Progress& progress) {
   check(options);
   const TriangleMesh& mesh = field.charts->mesh();
   progress.range(0.0, 0.5);
   const std::vector<ZeroCrossing> crossings = zeroCrossings(field, progress);
-  const std::vector<FaceWay> ways = sweepCharges(mesh, firstIndices(field), crossings, progress);
+  const std::vector<ChargePath> paths = sweepCharges(mesh, firstIndices(field), crossings, progress);
 
   progress.range(0.5, 1.0);
-  const WaySampler sampler(field, crossings, options);
+  const PathSampler sampler(field, crossings, {options.relativeTolerance, options.chordTolerance});
   Tracking result;
-  result.paths.resize(ways.size());
-  std::vector<std::vector<Bifurcation>> events(ways.size());
+  result.paths.resize(paths.size());
+  std::vector<std::vector<Bifurcation>> events(paths.size());
   std::atomic<std::size_t> done{0};
-  tbb::parallel_for(std::size_t{0}, ways.size(), [&](std::size_t i) {
+  tbb::parallel_for(std::size_t{0}, paths.size(), [&](std::size_t i) {
     if (progress.cancelled()) return;
-    const FaceWay& way = ways[i];
-    const std::vector<JetSample> jets = sampler.sample(way);
-    result.paths[i] = summary(way, jets);
-    progress.report(static_cast<double>(++done) / static_cast<double>(ways.size()));
-    if (way.charge < 0) return;
-    const auto self = static_cast<Index>(i);
-    if (way.partner != kNone) {
-      events[i].push_back(pairEvent(crossings[way.begin], mesh, sampler, BifurcationKind::Creation,
-                                    nodeKind(jets, true), {self, way.partner}));
-    }
-    for (Bifurcation& hopf : hopfBifurcations(sampler, jets, options.hopfDamping)) {
-      hopf.paths = {self, kNone};
-      events[i].push_back(hopf);
-    }
-    if (way.rival != kNone) {
-      events[i].push_back(pairEvent(crossings[way.end], mesh, sampler, BifurcationKind::Annihilation,
-                                    nodeKind(jets, false), {self, way.rival}));
-    }
+    const std::vector<JetSample> jets = sampler.sample(paths[i]);
+    result.paths[i] = summary(paths[i], jets);
+    progress.report(static_cast<double>(++done) / static_cast<double>(paths.size()));
+    // A pair's events are listed once, with its node.
+    if (paths[i].charge < 0) return;
+    events[i] = eventsOf(paths[i], static_cast<Index>(i), jets, sampler, crossings, mesh, options.hopfDamping);
   });
   progress.check();
   for (const auto& of : events) result.bifurcations.insert(result.bifurcations.end(), of.begin(), of.end());

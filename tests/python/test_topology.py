@@ -51,7 +51,7 @@ def test_finds_the_orbits(topology):
         assert orbit.times[-1] == pytest.approx(orbit.period)
         assert (orbit.multiplier < 1) == (orbit.kind == "attracting")
         assert not orbit.band
-    assert set(topology.seconds) >= {"fixed_points", "recurrent_parts", "streamlines", "links"}
+    assert set(topology.seconds) >= {"fixed_points", "recurrent_components", "streamlines", "links"}
     assert topology.zero_faces == 0
 
 

@@ -16,7 +16,8 @@ struct Coverage::Corners {
   std::array<Eigen::Vector3d, 3> b;
 };
 
-Coverage::Coverage(const FlatFaces& faces, const VectorField& field, double reach, double resolution, double minSpeed)
+Coverage::Coverage(const FlatFaces& faces, const VectorField& field, double reach, double resolution,
+                   double minSpeed)
     : faces_(faces),
       field_(field),
       reach_(reach),
@@ -86,14 +87,15 @@ void Coverage::search(const NearLines& lines, Index face, const Corners& corners
   const auto found = lines.nearest(p, face, covered, patch, [](const LineSample&) { return true; });
   const double distance = found ? found->distance : std::numeric_limits<double>::infinity();
   if (distance + radius <= covered) return;
-  if (radius > resolution_) {
+  if (radius > resolution_) {  // neither covered nor small
     const std::array<Eigen::Vector3d, 3> m = {0.5 * (b[1] + b[2]), 0.5 * (b[2] + b[0]), 0.5 * (b[0] + b[1])};
-    for (const Corners& part : {Corners{{b[0], m[2], m[1]}}, Corners{{m[2], b[1], m[0]}}, Corners{{m[1], m[0], b[2]}},
-                                Corners{{m[0], m[1], m[2]}}}) {
-      search(lines, face, part, patch, gaps);
+    for (const Corners& piece : {Corners{{b[0], m[2], m[1]}}, Corners{{m[2], b[1], m[0]}}, Corners{{m[1], m[0], b[2]}},
+                                 Corners{{m[0], m[1], m[2]}}}) {
+      search(lines, face, piece, patch, gaps);
     }
     return;
   }
+  // The middle stands for the piece.
   if (distance <= reach_ || std::abs(velocityAt(faces_, field_, middle)) <= minSpeed_) return;
   gaps.push_back({middle, distance});
 }

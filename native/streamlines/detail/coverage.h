@@ -1,6 +1,6 @@
-// How far the surface is from the lines, and where a line is missing.
+// The coverage of the surface by lines: how far its points are from the nearest line, and where one is missing.
 //
-// Every new line leaves at the vertices around it how near it is. With the triangle inequality that settles most faces
+// Every new line records at the vertices around it how near it is. By the triangle inequality that decides most faces
 // at once; the others are cut in four until each piece is known to be covered or is so small that its middle stands for
 // it. So no gap is missed, whatever the size of the faces.
 #pragma once
@@ -15,24 +15,25 @@ namespace stormfield {
 /// A point that is farther from every line than it should be.
 struct Gap {
   SurfacePoint point;
-  double distance;  ///< to the nearest line, mesh units; infinite beyond the radius that was looked at
+  double distance;  ///< to the nearest line, mesh units; infinite beyond the radius of the search
 };
 
 class Coverage {
  public:
-  /// reach: mesh units; gaps are points farther than this from every line. Pieces of the surface are told apart down to
-  /// resolution, mesh units, so that no point is farther than reach + resolution where no gap is found. Where the field
-  /// is slower than minSpeed there are no gaps.
+  /// reach: mesh units; gaps are points farther than this from every line. Pieces of the surface are tested down to the
+  /// size resolution, mesh units, so that no point is farther than reach + resolution where no gap is found. Where the
+  /// field is slower than minSpeed there are no gaps.
   Coverage(const FlatFaces& faces, const VectorField& field, double reach, double resolution, double minSpeed);
 
-  /// A sample of a line that stays.
+  /// Records a sample of a line.
   void add(const LineSample& sample);
-  /// Part of the vertices that some line is near to, 0..1.
+  /// Fraction of the vertices that are within reach of a line.
   double fraction() const { return static_cast<double>(reached_) / static_cast<double>(distance_.size()); }
 
-  /// The nearest line is not farther than this from point p of a face; infinite where little is known.
+  /// An upper bound on the distance from point p of a face to the nearest line; infinite where its vertices know none.
   double bound(Index face, const Vec3& p) const;
-  /// At least one point of every gap, the widest first. Faces without a gap are not looked at again: lines only come.
+  /// At least one point of every gap, the widest first. Faces without a gap are not searched again: lines are only
+  /// added.
   std::vector<Gap> findGaps(const NearLines& lines, Progress* progress);
 
  private:
@@ -44,7 +45,7 @@ class Coverage {
   const VectorField& field_;
   double reach_, resolution_, minSpeed_;
   SurfacePatch patch_;
-  std::vector<double> distance_;  ///< per vertex, to the nearest line that is near
+  std::vector<double> distance_;  ///< per vertex, to the nearest line within reach
   std::size_t reached_ = 0;
   std::vector<Index> open_;  ///< faces that may hold a gap
 };

@@ -6,9 +6,14 @@
 namespace stormfield {
 namespace {
 
-/// Where curves begin at one point, they are no obstacle to each other on so many
-/// distances.
+/// Curves that begin at one point are no obstacle to each other up to this arc length, in distances d.
 constexpr double kCommonStart = 1.0;
+/// A curve bends at an edge where the cosine between the normals of its two faces is smaller.
+constexpr double kBend = 0.995;
+/// Shortest chords that are kept, in steps: as a rule, before a bend, and to the last point.
+constexpr double kMinChord = 0.75, kMinChordAtBend = 0.1, kMinLastChord = 1e-3;
+/// A closed curve's last point that is nearer to its first one, in steps, is dropped.
+constexpr double kMinClosing = 0.3;
 
 /// The point p in the coordinates of face f, if it lies on it.
 std::optional<SurfacePoint> inFace(const TriangleMesh& mesh, const SurfacePoint& p, Index f) {
@@ -28,18 +33,17 @@ std::optional<SurfacePoint> inFace(const TriangleMesh& mesh, const SurfacePoint&
 }  // namespace
 
 std::vector<LinePoint> evenPoints(const TriangleMesh& mesh, const GivenCurve& curve, double step) {
-  constexpr double kBend = 0.995;
   std::vector<LinePoint> result{{curve.points.front(), position(mesh, curve.points.front())}};
   for (std::size_t i = 1; i < curve.points.size(); ++i) {
     const SurfacePoint& to = curve.points[i];
     const Vec3 target = position(mesh, to), from = result.back().position;
-    const double way = (target - from).norm();
+    const double chord = (target - from).norm();
     const bool bends =
         i + 1 < curve.points.size() && mesh.faceNormal(to.face).dot(mesh.faceNormal(curve.points[i + 1].face)) < kBend;
     const bool last = i + 1 == curve.points.size();
-    if (way < (last ? 1e-3 : bends ? 0.1 : 0.75) * step) continue;
+    if (chord < (last ? kMinLastChord : bends ? kMinChordAtBend : kMinChord) * step) continue;
     const auto start = inFace(mesh, result.back().point, to.face);
-    const int pieces = start ? std::max(1, static_cast<int>(std::ceil(way / step))) : 1;
+    const int pieces = start ? std::max(1, static_cast<int>(std::ceil(chord / step))) : 1;
     for (int k = 1; k < pieces; ++k) {
       const double t = static_cast<double>(k) / pieces;
       const SurfacePoint between{to.face, (1.0 - t) * start->barycentric + t * to.barycentric};
@@ -47,7 +51,7 @@ std::vector<LinePoint> evenPoints(const TriangleMesh& mesh, const GivenCurve& cu
     }
     result.push_back({to, target});
   }
-  const auto returns = [&] { return (result.front().position - result.back().position).norm() < 0.3 * step; };
+  const auto returns = [&] { return (result.front().position - result.back().position).norm() < kMinClosing * step; };
   while (curve.closed && result.size() > 3 && returns()) result.pop_back();
   return result;
 }

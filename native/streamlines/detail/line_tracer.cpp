@@ -4,18 +4,22 @@
 #include <cmath>
 
 #include "streamlines/detail/face_velocity.h"
-#include "streamlines/detail/surface_walk.h"
+#include "streamlines/detail/straightest_path.h"
 #include "tracing/integrator.h"
 
 namespace stormfield {
 namespace {
 
-/// A line is given room to come back onto its first part, so many distances long.
+/// Length of a line's beginning over the distance d: the line may come near it, as it may close there.
 constexpr double kBeginning = 1.5;
-/// It is closed where it comes back so near (parts of the distance, and of its own length), else it is a spiral.
+/// A line that misses its seed by less than both (over d, and over its own length) is closed, else it is a spiral.
 constexpr double kClosingGap = 0.05, kClosingSlope = 0.005;
 /// Shortest last piece before an obstacle, in steps.
 constexpr double kLastPiece = 0.2;
+/// A line passes its seed where it runs along the seed's direction within the angle of this cosine.
+constexpr double kAlong = 0.7;
+/// Largest estimated error of one step, in mean edge lengths.
+constexpr double kTolerance = 1e-5;
 /// Cosine between the normals of two faces from which on a line keeps the point where it crosses their edge.
 constexpr double kBend = 0.995;
 
@@ -40,6 +44,7 @@ struct LineTracer::Side {
   std::vector<double> arc;        ///< from the seed, positive on both sides
   StopReason reason = StopReason::Length;
   bool closed = false;
+  std::optional<std::size_t> approach = {};  ///< number of points when the line came near its own beginning
 
   double sign() const { return direction == Direction::Forward ? 1.0 : -1.0; }
 };
@@ -81,60 +86,98 @@ void LineTracer::forget() {
   while (lines_.size() > samplesBefore_) lines_.dropLast();
 }
 
+/// The end of one half of a line, and which samples of the line itself are near it only because they precede it.
+struct LineTracer::OwnArc {
+  Index number;
+  bool forward;
+  double arc, distance;
+
+  /// A sample on the first piece of the line, to which a forward half may return.
+  bool isBeginning(const LineSample& s) const {
+    return forward && s.line == number && s.arc <= kBeginning * distance && arc - s.arc > distance;
+  }
+  bool isObstacle(const LineSample& s) const {
+    return s.line != number || (std::abs(s.arc - arc) > distance && !isBeginning(s));
+  }
+};
+
+LineTracer::OwnArc LineTracer::ownArc(const Side& side) const {
+  return {number_, side.direction == Direction::Forward, side.sign() * side.arc.back(), rules_.distance};
+}
+
+/// Piece by piece until the line closes, ends, or is too near to another one. While it runs along its own beginning it
+/// goes on, as it may close; if it does not, it ends where it came near.
 void LineTracer::extend(Side& side, const Progress* progress) {
-  const bool forward = side.direction == Direction::Forward;
   double length = rules_.step;
-  std::size_t approach = 0;  // points when the line came near its own beginning
-  const auto end = [&](std::size_t count) {
-    if (count == side.points.size()) return;
-    cutBack(side, count);
-    side.reason = StopReason::Length;
-  };
-  while (side.points.size() < rules_.mostPoints) {
+  while (side.points.size() < rules_.maxPoints) {
     if (progress != nullptr) progress->check();
     const std::size_t before = side.points.size();
-    const bool goesOn = step(side, length);
-    if (side.points.size() == before) return end(approach != 0 ? approach : before);
-    if (const std::optional<double> miss = forward ? comesBack(side, before) : std::nullopt) {
-      const double closing = std::min(kClosingGap * rules_.distance, kClosingSlope * side.arc.back());
-      if (std::abs(*miss) <= closing) return join(side);
-      return end(pointsBefore(side));  // a spiral: its next turn would be too near
-    }
-
-    const double arc = side.sign() * side.arc.back(), beginning = kBeginning * rules_.distance;
-    const auto own = [&](const LineSample& s) { return s.line == number_; };
-    const auto isBeginning = [&](const LineSample& s) {
-      return forward && own(s) && s.arc <= beginning && arc - s.arc > rules_.distance;
-    };
-    const auto isObstacle = [&](const LineSample& s) {
-      return !own(s) || (std::abs(s.arc - arc) > rules_.distance && !isBeginning(s));
-    };
-    const LinePoint& last = side.points.back();
-    if (lines_.nearest(last.position, last.point.face, rules_.testDistance, patch_, isObstacle)) {
-      if (approach != 0) return end(approach);
-      cutBack(side, before);
-      side.reason = StopReason::Length;
+    const bool continues = step(side, length);
+    if (side.points.size() == before) return endAt(side, side.approach.value_or(before));
+    if (closesOrSpirals(side, before)) return;
+    if (nearsOtherLine(side)) {
+      if (side.approach) return endAt(side, *side.approach);
+      // As far as half a piece, a quarter, ... leads.
+      endAt(side, before);
       length *= 0.5;
       if (length < kLastPiece * rules_.step) return;
       continue;
     }
-    if (arc > rules_.distance &&
-        lines_.nearest(last.position, last.point.face, rules_.testDistance, patch_, isBeginning)) {
-      if (approach == 0) approach = before;
-      if (!goesOn || arc - side.arc[approach - 1] > 2.0 * beginning) return end(approach);
-    } else if (approach != 0) {
-      return end(approach);
+    if (nearsOwnBeginning(side)) {
+      if (!side.approach) side.approach = before;
+      const double along = side.arc.back() - side.arc[*side.approach - 1];
+      if (!continues || along > 2.0 * kBeginning * rules_.distance) return endAt(side, *side.approach);
+    } else if (side.approach) {
+      return endAt(side, *side.approach);
     }
-    if (!goesOn) return;
+    if (!continues) return;
   }
 }
 
-/// Adds the points of one piece of this length; false where the streamline ends.
+/// Where a forward half passes its seed, it is closed or ended: the next loop of a spiral would be too near.
+bool LineTracer::closesOrSpirals(Side& side, std::size_t from) {
+  if (side.direction != Direction::Forward) return false;
+  const std::optional<double> miss = passesSeed(side, from);
+  if (!miss) return false;
+  if (std::abs(*miss) <= std::min(kClosingGap * rules_.distance, kClosingSlope * side.arc.back())) {
+    close(side);
+  } else {
+    endAt(side, pointsBeforeSeed(side));
+  }
+  return true;
+}
+
+bool LineTracer::nearsOtherLine(const Side& side) {
+  const LinePoint& last = side.points.back();
+  const OwnArc own = ownArc(side);
+  return lines_
+      .nearest(last.position, last.point.face, rules_.testDistance, patch_,
+               [&](const LineSample& s) { return own.isObstacle(s); })
+      .has_value();
+}
+
+bool LineTracer::nearsOwnBeginning(const Side& side) {
+  const LinePoint& last = side.points.back();
+  const OwnArc own = ownArc(side);
+  if (own.arc <= rules_.distance) return false;
+  return lines_
+      .nearest(last.position, last.point.face, rules_.testDistance, patch_,
+               [&](const LineSample& s) { return own.isBeginning(s); })
+      .has_value();
+}
+
+void LineTracer::endAt(Side& side, std::size_t count) {
+  if (count == side.points.size()) return;
+  cutBack(side, count);
+  side.reason = StopReason::Length;
+}
+
+/// Adds the points of one piece of this length; false where the streamline itself ends.
 bool LineTracer::step(Side& side, double length) {
   TraceOptions options;
   options.direction = side.direction;
   options.maxLength = length;
-  options.tolerance = 1e-5;
+  options.tolerance = kTolerance;
   Integrator<SteadyFlow> integrator(faces_, SteadyFlow(field_.values.data(), side.sign()), options,
                                     rules_.minSpeed * fastest_);
   const SurfacePoint from = side.points.back().point;
@@ -153,10 +196,10 @@ bool LineTracer::step(Side& side, double length) {
 
 void LineTracer::append(Side& side, const SurfacePoint& point) {
   const LinePoint p{point, position(faces_.mesh(), point)};
-  const double way = (p.position - side.points.back().position).norm();
-  if (way < 1e-3 * rules_.step) return;
+  const double length = (p.position - side.points.back().position).norm();
+  if (length < 1e-3 * rules_.step) return;
   side.points.push_back(p);
-  side.arc.push_back(side.arc.back() + way);
+  side.arc.push_back(side.arc.back() + length);
   lines_.add(sample(p, number_, side.sign() * side.arc.back()));
 }
 
@@ -167,9 +210,9 @@ void LineTracer::cutBack(Side& side, std::size_t count) {
   }
 }
 
-/// How far to the left of the seed one of the pieces that end at the points from this one on passes it, in the
-/// direction of its flow; nothing where none does within the test distance.
-std::optional<double> LineTracer::comesBack(const Side& side, std::size_t from) const {
+/// How far to the left of the seed the line passes it in the direction of the flow there, by one of the pieces that end
+/// at the points from this one on; nothing where none does so within the test distance.
+std::optional<double> LineTracer::passesSeed(const Side& side, std::size_t from) const {
   if (side.arc.back() < 3.0 * rules_.step) return std::nullopt;
   const TriangleMesh& mesh = faces_.mesh();
   const Vec3 normal = mesh.faceNormal(seed_.point.face);
@@ -178,7 +221,7 @@ std::optional<double> LineTracer::comesBack(const Side& side, std::size_t from) 
     const double before = a.dot(seedDirection_), after = b.dot(seedDirection_);
     if (!(before < 0.0 && after >= 0.0)) continue;
     const Vec3 crossing = a + before / (before - after) * (b - a);
-    const bool along = (b - a).dot(seedDirection_) > 0.7 * (b - a).norm();
+    const bool along = (b - a).dot(seedDirection_) > kAlong * (b - a).norm();
     const bool sameSide = mesh.faceNormal(side.points[i].point.face).dot(normal) > 0.0;
     if (along && sameSide && crossing.norm() < rules_.testDistance) {
       return crossing.dot(normal.cross(seedDirection_));
@@ -188,16 +231,16 @@ std::optional<double> LineTracer::comesBack(const Side& side, std::size_t from) 
 }
 
 /// Number of points before the line last passed its seed.
-std::size_t LineTracer::pointsBefore(const Side& side) const {
+std::size_t LineTracer::pointsBeforeSeed(const Side& side) const {
   std::size_t count = side.points.size();
   while ((side.points[count - 1].position - seed_.position).dot(seedDirection_) >= 0.0) --count;
   return count;
 }
 
-/// Closes a line that has come round: the little that it missed its beginning by is spread over its whole length.
-void LineTracer::join(Side& side) {
-  const double miss = *comesBack(side, pointsBefore(side));
-  std::size_t count = pointsBefore(side);
+/// Closes a line: the distance by which it missed its seed is spread over its whole length.
+void LineTracer::close(Side& side) {
+  const double miss = *passesSeed(side, pointsBeforeSeed(side));
+  std::size_t count = pointsBeforeSeed(side);
   const double gap = (side.points[count - 1].position - seed_.position).norm();
   const double length = side.arc[count - 1] + gap;
   if (count > 3 && gap < 0.3 * rules_.step) --count;
@@ -210,7 +253,7 @@ void LineTracer::join(Side& side) {
 
 SurfacePoint LineTracer::toTheLeft(const SurfacePoint& p, double distance) const {
   const Complex left = Complex(0.0, distance) * velocityAt(faces_, field_, p);
-  return left == 0.0 ? p : walkStraight(faces_, p, left, std::abs(distance)).point;
+  return left == 0.0 ? p : straightestPath(faces_, p, left, std::abs(distance)).point;
 }
 
 }  // namespace stormfield

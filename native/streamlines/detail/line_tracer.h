@@ -1,5 +1,9 @@
-// One streamline through a seed, as far as there is room: it ends where another line (or it itself) is nearer than the
-// test distance, at the boundary, at a fixed point; and closes where it comes back onto its beginning.
+// One streamline through a seed, as long as no other line is near: it ends where another line (or an earlier part of
+// itself) is nearer than the test distance, at the boundary and at a fixed point; and closes where it returns to its
+// beginning (thesis 3.4; Jobard and Lefer 1997).
+//
+//   LineTracer tracer(faces, field, rules, lines);
+//   const Line line = tracer.trace(seed, 0, Reach::Both, nullptr);
 #pragma once
 
 #include <optional>
@@ -22,7 +26,7 @@ struct LinePoint {
 struct Line {
   std::vector<LinePoint> points;
   bool closed = false;
-  bool fullStart = false, fullEnd = false;  ///< the width does not fall there: the boundary, or a saddle
+  bool fullStart = false, fullEnd = false;  ///< the width does not fall there: at the boundary, at a saddle
   Index given = kNone;                      ///< the curve it was made from, kNone for a traced one
 
   double length() const;
@@ -34,16 +38,16 @@ struct LineRules {
   double distance = 0.0;      ///< d, mesh units
   double testDistance = 0.0;  ///< nearer than this to another line, a line ends; mesh units
   double step = 0.0;          ///< between the points of a line, mesh units
-  double minSpeed = 0.0;      ///< part of the fastest vertex's speed at which lines end
-  std::size_t mostPoints = 0;
+  double minSpeed = 0.0;  ///< fraction of the fastest vertex's speed at which lines end
+  std::size_t maxPoints = 0;  ///< of one half of a line
 };
 
 class LineTracer {
  public:
   LineTracer(const FlatFaces& faces, const VectorField& field, const LineRules& rules, NearLines& lines);
 
-  /// The line through the seed; number is the name under which its points are added to the lines. They stay there: take
-  /// them back with forget() when the line is not wanted.
+  /// The line through the seed; its points are added to the lines under this number. They stay there: forget() removes
+  /// those of the last line when it is not wanted.
   Line trace(const SurfacePoint& seed, Index number, Reach reach, const Progress* progress);
   void forget();
 
@@ -51,13 +55,19 @@ class LineTracer {
 
  private:
   struct Side;
+  struct OwnArc;
   void extend(Side& side, const Progress* progress);
   bool step(Side& side, double length);
+  bool closesOrSpirals(Side& side, std::size_t from);
+  bool nearsOtherLine(const Side& side);
+  bool nearsOwnBeginning(const Side& side);
+  OwnArc ownArc(const Side& side) const;
+  void endAt(Side& side, std::size_t count);
   void append(Side& side, const SurfacePoint& point);
   void cutBack(Side& side, std::size_t count);
-  std::optional<double> comesBack(const Side& side, std::size_t from) const;
-  std::size_t pointsBefore(const Side& side) const;
-  void join(Side& side);
+  std::optional<double> passesSeed(const Side& side, std::size_t from) const;
+  std::size_t pointsBeforeSeed(const Side& side) const;
+  void close(Side& side);
   SurfacePoint toTheLeft(const SurfacePoint& p, double distance) const;
 
   const FlatFaces& faces_;

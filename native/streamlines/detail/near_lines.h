@@ -1,13 +1,13 @@
-// Which lines run near a point of the surface: samples of all lines in a hashed grid.
+// The lines near a point of the surface: samples of all lines in a hashed grid (Teschner et al. 2003).
 //
 // The distance of two points is estimated as if each lay in its face's plane and the surface were these two planes:
 // with c the chord, n and m the normals,
 //     distance^2 = |c|^2 - 2 (c . n)(c . m) / (1 + n . m),
-// the length of the straight way over the crease where they meet; |c| where they meet on no way between the points. In
-// a plane and over a crease that is exact, on a round surface too long by less than a part theta^2 / 12, theta the
-// angle between the normals. Beyond an angle of 135 degrees, as between the two sides of a sheet, points are not near.
-// Nor are they where no part of the surface inside the ball around one of them connects them: layers, folds and other
-// components never block each other.
+// the length of the straight line over the crease where they meet; |c| where the crease does not lie between the
+// points. In a plane and over a crease that is exact, on a round surface too long by less than a fraction theta^2 / 12,
+// theta the angle between the normals. Beyond an angle of 135 degrees, as between the two sides of a sheet, points are
+// not near. Nor are they where no part of the surface inside the ball around one of them connects them: layers, folds
+// and other components never block each other.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 
 namespace stormfield {
 
-/// A place on a line.
+/// A point of a line, with what distances on the surface need.
 struct LineSample {
   Vec3 position = Vec3::Zero();
   Vec3 normal = Vec3::Zero();
@@ -62,7 +62,7 @@ class NearLines {
   NearLines(const TriangleMesh& mesh, double cell);
 
   void add(const LineSample& sample);
-  /// Takes back what was added last.
+  /// Removes the sample that was added last.
   void dropLast();
   std::size_t size() const { return samples_.size(); }
   const LineSample& operator[](std::size_t i) const { return samples_[i]; }

@@ -8,9 +8,9 @@
 namespace stormfield {
 namespace {
 
-/// An end falls to nothing over so many distances, and over no more than this part of the line.
-constexpr double kEnd = 1.5, kEndPart = 1.0 / 3.0;
-/// Width of a line that runs at the test distance of an earlier one.
+/// Length over which the width falls to 0 at an end: distances d, but no more than this fraction of the line.
+constexpr double kEnd = 1.5, kMaxEndFraction = 1.0 / 3.0;
+/// Width of a line at the test distance from an earlier one; 1 at the distance d.
 constexpr double kCrowded = 0.35;
 
 std::vector<double> endTaper(const Line& line, double distance) {
@@ -19,7 +19,7 @@ std::vector<double> endTaper(const Line& line, double distance) {
   for (std::size_t i = 1; i < arc.size(); ++i) {
     arc[i] = arc[i - 1] + (line.points[i].position - line.points[i - 1].position).norm();
   }
-  const double fall = std::min(kEnd * distance, kEndPart * arc.back());
+  const double fall = std::min(kEnd * distance, kMaxEndFraction * arc.back());
   for (std::size_t i = 0; i < arc.size(); ++i) {
     if (!line.fullStart) taper[i] *= std::min(1.0, arc[i] / fall);
     if (!line.fullEnd) taper[i] *= std::min(1.0, (arc.back() - arc[i]) / fall);

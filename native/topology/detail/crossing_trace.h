@@ -1,5 +1,8 @@
-// Following a steady field with the eyes open: the tracer's integrator (tracing/integrator.h), which tells over which
-// edge or vertex each step went.
+// A trace of a steady field that reports every edge or vertex it crosses: what return maps and sections need besides
+// the points of tracing/streamline.h.
+//
+//   CrossingTrace trace(faces, field, Direction::Forward, 1e-6);
+//   trace.run(seed, [](const SurfacePoint&, double, const EdgePassage& passage) { return !passage; });
 #pragma once
 
 #include <limits>
@@ -8,25 +11,25 @@
 
 namespace stormfield {
 
-/// The edge or vertex that a step went over, if any.
+/// The edge or vertex that a step crosses, if any.
 struct EdgePassage {
-  /// The halfedge whose face the flow enters, whichever way the walk goes: for a walk against the flow it is the face
-  /// that was left.
+  /// The halfedge whose face the flow enters. A trace against the flow leaves that face.
   Index halfedge = kNone;
   double fraction = 0.0;  ///< along that halfedge, 0 at its tail
-  Index vertex = kNone;
+  Index vertex = kNone;   ///< in place of the halfedge
 
   explicit operator bool() const { return halfedge != kNone || vertex != kNone; }
 };
 
 /// Copies are cheap and independent: one per thread.
-class FlowWalk {
+class CrossingTrace {
  public:
-  FlowWalk(const FlatFaces& faces, const VectorField& field, Direction direction, double tolerance)
+  /// tolerance: of one step, in mean edge lengths.
+  CrossingTrace(const FlatFaces& faces, const VectorField& field, Direction direction, double tolerance)
       : faces_(faces),
         backward_(direction == Direction::Backward),
         integrator_(faces, SteadyFlow(field.values.data(), backward_ ? -1.0 : 1.0), options(direction, tolerance),
-                    restingSpeed(field)) {}
+                    minSpeed(field)) {}
 
   /// visit(SurfacePoint, seconds, EdgePassage) -> bool, false to end; for the seed and after every step.
   template <typename Visit>
@@ -51,14 +54,14 @@ class FlowWalk {
     result.maxSteps = std::numeric_limits<Index>::max();
     return result;
   }
-  /// Slower than this is at rest: a billionth of the fastest vertex.
-  static double restingSpeed(const VectorField& field) {
+  /// A billionth of the fastest vertex: slower flow counts as a fixed point.
+  static double minSpeed(const VectorField& field) {
     double squared = 0.0;
     for (const Complex& v : field.values) squared = std::max(squared, std::norm(v));
     return 1e-9 * std::sqrt(squared);
   }
 
-  /// What the last step went over on its way into the face where it ended.
+  /// What the last step crossed before it entered the face where it ended.
   EdgePassage lastPassage(Index face) const {
     if (const Index vertex = integrator_.leftVertex(); vertex != kNone) return {kNone, 0.0, vertex};
     const SidePoint& entry = integrator_.entry();

@@ -1,5 +1,9 @@
-// From a streamline that came back to an edge to a periodic orbit: the fixed point of the return map (thesis 3.1), what
-// the flow does on its two sides, and the orbit as a curve.
+// From a streamline that returns to an edge to a periodic orbit: the fixed point of the return map, what the flow does
+// on the orbit's two sides, and the orbit as a curve (thesis 3.1; Wischgoll and Scheuermann 2001 for the returning
+// streamline; Chen et al. 2007 for orbits on surfaces).
+//
+//   const OrbitSearch orbits(faces, field, componentOf, {});
+//   const OrbitSearch::Outcome outcome = orbits.findFrom(candidate, [](const FoundOrbit&) { return false; });
 #pragma once
 
 #include <array>
@@ -8,15 +12,28 @@
 #include <vector>
 
 #include "topology/detail/return_map.h"
-#include "topology/periodic_orbit.h"
+#include "topology/entities.h"
 
 namespace stormfield {
 
-/// What streamlines beside an orbit do, in the direction of the flow.
+/// Seen in the direction of the flow.
+enum class OrbitSide { Left, Right };
+inline constexpr std::array<OrbitSide, 2> kOrbitSides{OrbitSide::Left, OrbitSide::Right};
+
+/// One value for each side of an orbit.
+template <typename T>
+struct BothSides {
+  T left{}, right{};
+
+  T& operator[](OrbitSide side) { return side == OrbitSide::Left ? left : right; }
+  const T& operator[](OrbitSide side) const { return side == OrbitSide::Left ? left : right; }
+};
+
+/// What streamlines next to an orbit do, in the direction of the flow.
 enum class SideFlow { Unknown, Attracted, Repelled, Closed };
 
-/// Where an orbit crosses a section, and how far what is known of its sides holds there. Lower positions are on the
-/// left of the orbit, higher ones on its right (the flow crosses sections from right to left).
+/// Where an orbit crosses a section. Between low and high its sides are known to do what FoundOrbit::sides says. Lower
+/// positions are on the left of the orbit, higher ones on its right (the flow crosses sections from right to left).
 struct OrbitSection {
   Section section;
   double position = 0.0;
@@ -25,82 +42,96 @@ struct OrbitSection {
 
 struct FoundOrbit {
   PeriodicOrbit orbit;
-  std::array<SideFlow, 2> sides{SideFlow::Unknown, SideFlow::Unknown};  ///< left, right
-  OrbitSection best;          ///< the section that it crosses farthest from any end, with both sides
-  OrbitSection found;         ///< the section where it was found, with the side that was searched
-  int side = 0;               ///< that side: 0 left, 1 right
-  bool closedAround = false;  ///< half an edge away on both sides streamlines close as well
+  BothSides<SideFlow> sides{SideFlow::Unknown, SideFlow::Unknown};
+  OrbitSection bestSection;   ///< the section that it crosses farthest from any end, with both sides
+  OrbitSection foundSection;  ///< the section where it was found, with the side that was searched
+  OrbitSide foundSide = OrbitSide::Left;
+  bool inBand = false;  ///< half an edge away on both sides streamlines close as well
   int loops = 1;
   Index crossings = 0;  ///< of edges, once around
   std::vector<EdgePassage> passages;
-  bool known = false;  ///< then its sides and best section were not looked at again
+  bool known = false;  ///< then its sides and best section were not examined again
 };
 
-/// A streamline that came back.
-struct Candidate {
+/// A streamline that returned to an edge.
+struct OrbitCandidate {
   Index halfedge = kNone;
   double fraction = 0.0;
   int loops = 1;
-  Index crossings = 0;  ///< of edges, on the way around
+  Index crossings = 0;  ///< of edges, once around
   Direction direction = Direction::Forward;
-  Index part = kNone;
+  Index component = kNone;  ///< recurrent component
 };
 
 struct OrbitSearchOptions {
-  double tolerance = 1e-9;      ///< of the streamlines, in mean edge lengths
+  double tolerance = 1e-9;      ///< of one step of the streamlines, in mean edge lengths
   double bandTolerance = 3e-3;  ///< as in TopologyOptions
 };
 
 class OrbitSearch {
  public:
-  /// partOf: the strongly connected part of each face, or kNone. All are kept by reference.
-  OrbitSearch(const FlatFaces& faces, const VectorField& field, const std::vector<Index>& partOf,
+  /// componentOf: the recurrent component of each face, or kNone. All are kept by reference.
+  OrbitSearch(const FlatFaces& faces, const VectorField& field, const std::vector<Index>& componentOf,
               const OrbitSearchOptions& options);
 
   struct Outcome {
     std::optional<FoundOrbit> orbit;
-    /// Without one: where the streamline comes to on its way past the section, if it winds so slowly (less than 1/50 of
-    /// an edge per turn) that the windings in between say nothing.
-    std::optional<SurfacePoint> onward;
+    /// Without an orbit: a later point of the streamline, if it moves so slowly across the section (less than 1/50 of
+    /// an edge per loop) that the loops in between cannot hide anything.
+    std::optional<SurfacePoint> restart;
   };
-  /// The orbit that the streamline comes to, if it crosses the candidate's edge or the edges in a row with it.
-  /// isKnown(FoundOrbit with its passages) says whether more about it is needed.
-  Outcome follow(const Candidate& candidate, const std::function<bool(const FoundOrbit&)>& isKnown) const;
-  /// Whether the streamline through a point of an edge closes but for this part of the mean edge length.
-  bool closes(Index halfedge, double fraction, Index part, Index crossings, double tolerance,
-              std::vector<Index>* crossedFaces) const;
+  /// The orbit that the streamline approaches, if that orbit crosses the candidate's edge or the edges in a row with
+  /// it. isKnown(FoundOrbit with its passages): then its sides are not examined.
+  Outcome findFrom(const OrbitCandidate& candidate, const std::function<bool(const FoundOrbit&)>& isKnown) const;
+
+  /// The faces of the streamline through a point of an edge, if it closes within tolerance (mean edge lengths).
+  std::optional<std::vector<Index>> facesIfClosed(Index halfedge, double fraction, Index component, Index crossings,
+                                                  double tolerance) const;
 
  private:
-  struct Side {
+  /// A position on a section and how far its streamline returns from there.
+  struct Sample {
+    double position, displacement;
+  };
+  struct Approach {
+    std::optional<double> orbit;   ///< its position
+    double reached = 0.0;          ///< else, how far streamlines move slowly
+    double maxDisplacement = 0.0;  ///< on the way there
+    bool inBand = false;
+  };
+  struct SideProbe {
     SideFlow flow = SideFlow::Unknown;
-    double reach = 0.0;            ///< how far from the orbit it was seen
+    double reach = 0.0;            ///< how far from the orbit the flow was seen
     bool closed = false;           ///< as good as closed half an edge away
-    std::optional<double> growth;  ///< of the distance from the orbit, per loop, close to it
+    std::optional<double> growth;  ///< of the distance from the orbit, per return, close to it
   };
 
-  ReturnMap map(Direction direction, const Section& section, int loops, Index part, Index crossings) const;
-  struct March {
-    std::optional<double> fixed;  ///< position of the orbit
-    double reached = 0.0;         ///< else, how far streamlines wind slowly
-    double largest = 0.0;         ///< the largest displacement on the way there
-    bool closedAround = false;
-  };
-  March march(ReturnMap& map, double start) const;
-  March checked(ReturnMap& map, double start, March way) const;
-  std::optional<double> solve(ReturnMap& map, double a, double atA, double b, double atB) const;
-  Side look(ReturnMap& forward, ReturnMap& backward, double position, double sign) const;
-  void lookAround(const Candidate& candidate, FoundOrbit& found) const;
-  int fewestLoops(ReturnMap& map, double position) const;
-  bool record(ReturnMap& map, double position, FoundOrbit& found) const;
-  OrbitSection bestSection(const std::vector<EdgePassage>& passages) const;
+  ReturnMap returnMap(Direction direction, const Section& section, int loops, Index component, Index crossings) const;
+  static std::optional<double> displacement(ReturnMap& returns, double position);
+  // The search along the section.
+  Approach approach(ReturnMap& returns, double start) const;
+  bool neighboursClose(ReturnMap& returns, double position) const;
+  /// Displacement up to which a streamline closes as one of a band does.
+  double bandDrift() const;
+  double secantStep(const Sample& before, const Sample& last) const;
+  Approach firstSignChange(ReturnMap& returns, double start, Approach approach) const;
+  std::optional<double> falsePosition(ReturnMap& returns, Sample a, Sample b) const;
+  // The orbit as a curve.
+  int fewestLoops(ReturnMap& returns, double position) const;
+  bool record(ReturnMap& returns, double position, FoundOrbit& found) const;
   double multiplier(const PeriodicOrbit& orbit) const;
+  // Its sides.
+  OrbitSection widestSection(const std::vector<EdgePassage>& passages) const;
+  void examineSides(const OrbitCandidate& candidate, FoundOrbit& found) const;
+  SideProbe probe(ReturnMap& forward, ReturnMap& backward, double position, double sign) const;
+  static void classify(const BothSides<SideProbe>& probes, Direction direction, FoundOrbit& found);
 
   const FlatFaces& faces_;
   const VectorField& field_;
-  const std::vector<Index>& partOf_;
+  const std::vector<Index>& componentOf_;
   OrbitSearchOptions options_;
   double edge_;  ///< mean edge length
-  FlowWalk forward_, backward_;
+  CrossingTrace forward_, backward_;
 };
 
 }  // namespace stormfield

@@ -6,19 +6,30 @@
 
 namespace stormfield {
 
-Index crossedAt(const VectorField& field, Index vertex, bool begins) {
+namespace {
+
+/// Sine of the smallest angle between the flow and an edge that continues a section.
+constexpr double kMinSine = 0.1;
+
+bool holds(const std::vector<Index>& halfedges, Index h) {
+  return std::find(halfedges.begin(), halfedges.end(), h) != halfedges.end();
+}
+
+}  // namespace
+
+Index crossedAt(const VectorField& field, Index vertex, HalfedgeEnd end) {
   const VertexCharts& charts = *field.charts;
   const TriangleMesh& mesh = charts.mesh();
   Index best = kNone;
-  double squarest = 0.1;  // sine of the smallest angle that is worth it
+  double greatest = kMinSine;
   const double speed = std::abs(field.values[vertex]);
   for (Index h = mesh.outgoing(vertex); h != kNone; h = mesh.nextOutgoing(h)) {
     if (mesh.twin(h) == kNone) continue;
     const double left = (field.values[vertex] * std::polar(1.0, -charts.tailAngle(h))).imag() / speed;
-    const double square = begins ? left : -left;
-    if (square > squarest) {
-      squarest = square;
-      best = begins ? h : mesh.twin(h);
+    const double sine = end == HalfedgeEnd::Tail ? left : -left;
+    if (sine > greatest) {
+      greatest = sine;
+      best = end == HalfedgeEnd::Tail ? h : mesh.twin(h);
     }
   }
   return best;
@@ -32,23 +43,26 @@ std::array<double, 2> acrossEnds(const VectorField& field, Index h) {
 Section::Section(const VectorField& field, Index halfedge, int beyond) {
   const TriangleMesh& mesh = field.mesh();
   halfedges_ = {halfedge};
+  // Over the head, for as long as the flow crosses to the left there.
   for (int i = 0; i < beyond; ++i) {
     const Index last = halfedges_.back();
     if (acrossEnds(field, last)[1] <= 0.0) break;
-    const Index next = crossedAt(field, mesh.head(last), true);
-    if (next == kNone || std::find(halfedges_.begin(), halfedges_.end(), next) != halfedges_.end()) break;
+    const Index next = crossedAt(field, mesh.head(last), HalfedgeEnd::Tail);
+    if (next == kNone || holds(halfedges_, next)) break;
     halfedges_.push_back(next);
   }
+  // Over the tail.
   for (int i = 0; i < beyond; ++i) {
     const Index first = halfedges_.front();
     if (acrossEnds(field, first)[0] <= 0.0) break;
-    const Index before = crossedAt(field, mesh.tail(first), false);
-    if (before == kNone || std::find(halfedges_.begin(), halfedges_.end(), before) != halfedges_.end()) break;
+    const Index before = crossedAt(field, mesh.tail(first), HalfedgeEnd::Head);
+    if (before == kNone || holds(halfedges_, before)) break;
     halfedges_.insert(halfedges_.begin(), before);
   }
   starts_ = {0.0};
   for (const Index h : halfedges_) starts_.push_back(starts_.back() + mesh.edgeLength(mesh.edge(h)));
   high_ = starts_.back();
+  // The component across is linear along an edge: the section ends at its zero.
   const auto first = acrossEnds(field, halfedges_.front()), last = acrossEnds(field, halfedges_.back());
   if (first[0] < 0.0 && first[1] > 0.0) low_ = at(0, first[0] / (first[0] - first[1]));
   if (last[1] < 0.0 && last[0] > 0.0) high_ = at(halfedges_.size() - 1, last[0] / (last[0] - last[1]));

@@ -1,7 +1,11 @@
 // A section: edges of the mesh in a row, all crossed by the flow from their right to their left. Return maps live on it
-// (thesis 3.1). Because it goes on over vertices, an orbit that runs through a vertex is crossed like any other.
+// (Poincare section; thesis 3.1). Because it continues over vertices, it also cuts an orbit that runs through a vertex.
+//
+//   const Section section(field, halfedge, 2);
+//   const std::optional<double> position = section.at(field.mesh(), passage);
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -14,19 +18,19 @@ namespace stormfield {
 class Section {
  public:
   Section() = default;
-  /// The halfedge whose face the flow enters, and up to so many edges beyond each of its ends.
+  /// halfedge: an inner one, whose face the flow enters. The section continues by up to `beyond` edges over each end.
   Section(const VectorField& field, Index halfedge, int beyond);
 
   const std::vector<Index>& halfedges() const { return halfedges_; }
-  /// Where the flow crosses in the one direction; everywhere else it is tangent or comes back.
+  /// Between low and high the flow crosses to the left; beyond, it is tangent or crosses back.
   double low() const { return low_; }
   double high() const { return high_; }
-  /// Position of a passage, if it is one over this section.
+  /// Position of a passage, if it crosses this section.
   std::optional<double> at(const TriangleMesh& mesh, const EdgePassage& passage) const;
   double at(std::size_t edge, double fraction) const {
     return starts_[edge] + fraction * (starts_[edge + 1] - starts_[edge]);
   }
-  /// The point at a position, in the face that the walk enters.
+  /// The point at a position, in the face that a trace of this direction enters.
   SurfacePoint point(const TriangleMesh& mesh, double position, Direction direction) const;
 
  private:
@@ -35,9 +39,11 @@ class Section {
   double low_ = 0.0, high_ = 0.0;
 };
 
-/// The inner halfedge at a vertex that the flow crosses to the left as squarely as possible, beginning or ending there;
-/// kNone where there is none.
-Index crossedAt(const VectorField& field, Index vertex, bool begins);
+enum class HalfedgeEnd { Tail, Head };
+
+/// The inner halfedge with this end at a vertex that the flow crosses to the left as squarely as possible; kNone where
+/// the flow runs along all of them.
+Index crossedAt(const VectorField& field, Index vertex, HalfedgeEnd end);
 
 /// Components of the field across a halfedge to its left, at its tail and at its head; linear between.
 std::array<double, 2> acrossEnds(const VectorField& field, Index halfedge);

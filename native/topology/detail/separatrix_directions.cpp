@@ -4,16 +4,21 @@
 #include <cmath>
 #include <numbers>
 
+#include "field/interpolation.h"
+#include "topology/detail/sectors.h"
+
 namespace stormfield {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// Nearer than this (barycentric) to an edge or a vertex is on it.
-constexpr double kOnBorder = 1e-6;
-/// Radius of the circle that is searched, in lengths of the face: far above the round-off of the point itself.
+/// Radius of the circle that is searched over the square root of the face's double area: far above the round-off of the
+/// point itself.
 constexpr double kRadius = 1e-5;
-/// Directions tried around a full turn.
-constexpr int kSamples = 180;
+/// Directions tried in 2 pi, and at least in each sector.
+constexpr int kSamples = 180, kMinSamples = 8;
+constexpr int kBisections = 60;
+/// Length of a separatrix' first step over the square root of the face's double area.
+constexpr double kFirstStep = 1e-3;
 
 /// The field seen from the apex of a sector in one direction.
 struct Ray {
@@ -29,27 +34,28 @@ struct Ray {
   double around(double angle) const { return value(angle).imag(); }
 };
 
-/// Whether the field turns to the left of the direction in which the sector begins.
-bool beginsLeft(const VectorField& field, const Sector& sector) {
+/// Whether the field points to the left of the sector's first direction.
+bool isLeftAtBegin(const VectorField& field, const Sector& sector) {
   const FaceInterpolant local = faceInterpolant(field, sector.face);
   return Ray{local, sector.apex, kRadius * std::sqrt(local.doubleArea)}.around(sector.from) >= 0.0;
 }
 
-/// after: the sector that begins where this one ends, if any. What it says about their common direction holds for both:
+/// Adds the directions of one sector in which the field is radial: where the component around the apex changes its
+/// sign. after: the sector that begins where this one ends, if any. Its sign at their common direction counts for both:
 /// along an edge, where symmetric fields have their separatrices, two faces differ by round-off.
 void searchSector(const VectorField& field, const Sector& sector, const Sector* after,
                   std::vector<SeparatrixDirection>& found) {
   const FaceInterpolant local = faceInterpolant(field, sector.face);
   const Ray ray{local, sector.apex, kRadius * std::sqrt(local.doubleArea)};
-  const int samples = std::max(8, static_cast<int>(std::ceil(kSamples * sector.opening / (2.0 * kPi))));
+  const int samples = std::max(kMinSamples, static_cast<int>(std::ceil(kSamples * sector.opening / (2.0 * kPi))));
   double low = sector.from;
   bool leftAtLow = ray.around(low) >= 0.0;
   for (int i = 1; i <= samples; ++i) {
     const double high = sector.from + sector.opening * i / samples;
-    const bool leftAtHigh = i == samples && after != nullptr ? beginsLeft(field, *after) : ray.around(high) >= 0.0;
+    const bool leftAtHigh = i == samples && after != nullptr ? isLeftAtBegin(field, *after) : ray.around(high) >= 0.0;
     if (leftAtLow != leftAtHigh) {
       double a = low, b = high;
-      for (int step = 0; step < 60; ++step) {
+      for (int step = 0; step < kBisections; ++step) {
         const double middle = 0.5 * (a + b);
         ((ray.around(middle) >= 0.0) == leftAtLow ? a : b) = middle;
       }
@@ -62,57 +68,17 @@ void searchSector(const VectorField& field, const Sector& sector, const Sector* 
   }
 }
 
-bool isWholeTurn(const VertexCharts& charts, const SurfacePoint& p, const std::vector<Sector>& sectors) {
-  const TriangleMesh& mesh = charts.mesh();
-  for (int k = 0; k < 3; ++k) {
-    if (p.barycentric[k] >= 1.0 - kOnBorder) return !mesh.isBoundaryVertex(mesh.vertex(p.face, k));
-  }
-  return sectors.size() > 1 || sectors.front().opening > 1.5 * kPi;
-}
-
 }  // namespace
-
-std::vector<Sector> sectorsAround(const VertexCharts& charts, const SurfacePoint& p) {
-  const TriangleMesh& mesh = charts.mesh();
-  const auto corner = [&](Index h) {
-    const Index f = TriangleMesh::face(h), h0 = 3 * f;
-    if (h == h0) return Complex(0.0);
-    if (h == h0 + 1) return Complex(mesh.edgeLength(mesh.edge(h0)));
-    return std::polar(mesh.edgeLength(mesh.edge(h0 + 2)), mesh.cornerAngle(h0));
-  };
-  for (int k = 0; k < 3; ++k) {
-    if (p.barycentric[k] < 1.0 - kOnBorder) continue;
-    std::vector<Sector> fan;
-    for (Index h = mesh.outgoing(mesh.vertex(p.face, k)); h != kNone; h = mesh.nextOutgoing(h)) {
-      fan.push_back({TriangleMesh::face(h), corner(h), charts.faceAngle(h), mesh.cornerAngle(h)});
-    }
-    return fan;
-  }
-  for (int k = 0; k < 3; ++k) {
-    if (p.barycentric[k] > kOnBorder) continue;
-    const Index h = TriangleMesh::halfedge(p.face, (k + 1) % 3), twin = mesh.twin(h);
-    const double fraction = p.barycentric[(k + 2) % 3] / (p.barycentric[(k + 1) % 3] + p.barycentric[(k + 2) % 3]);
-    const auto half = [&](Index side, double along) {
-      const Complex apex = (1.0 - along) * corner(side) + along * corner(TriangleMesh::next(side));
-      return Sector{TriangleMesh::face(side), apex, charts.faceAngle(side), kPi};
-    };
-    if (twin == kNone) return {half(h, fraction)};
-    return {half(h, fraction), half(twin, 1.0 - fraction)};
-  }
-  const Index h = 3 * p.face;
-  const Complex apex = p.barycentric[1] * corner(h + 1) + p.barycentric[2] * corner(h + 2);
-  return {{p.face, apex, 0.0, 2.0 * kPi}};
-}
 
 std::vector<SeparatrixDirection> separatrixDirections(const VectorField& field, const SurfacePoint& p) {
   std::vector<SeparatrixDirection> radial;
   const std::vector<Sector> sectors = sectorsAround(*field.charts, p);
-  // At a boundary the last sector is followed by none.
-  const bool around = isWholeTurn(*field.charts, p, sectors);
+  const bool around = surroundsPoint(*field.charts, p, sectors);
   for (std::size_t i = 0; i < sectors.size(); ++i) {
     const bool last = i + 1 == sectors.size();
     searchSector(field, sectors[i], last && !around ? nullptr : &sectors[(i + 1) % sectors.size()], radial);
   }
+  // Between two radial directions of one kind lies a parabolic sector: its border is none.
   std::vector<SeparatrixDirection> result;
   for (std::size_t i = 0; i < radial.size(); ++i) {
     const SeparatrixDirection& next = radial[(i + 1) % radial.size()];
@@ -120,6 +86,23 @@ std::vector<SeparatrixDirection> separatrixDirections(const VectorField& field, 
     if (next.outgoing != radial[i].outgoing || before.outgoing != radial[i].outgoing) result.push_back(radial[i]);
   }
   return result;
+}
+
+SurfacePoint separatrixStart(const FlatFaces& faces, const SurfacePoint& p, const SeparatrixDirection& d) {
+  const FlatFace& flat = faces[d.face];
+  Complex apex = flat.point(p.barycentric);
+  for (const Sector& sector : sectorsAround(faces.charts(), p)) {
+    if (sector.face == d.face) apex = sector.apex;
+  }
+  // At most halfway to the border of the face.
+  const Eigen::Vector3d b = flat.barycentric(apex), rate = flat.barycentricRate(d.direction);
+  double step = kFirstStep * std::sqrt(2.0 * faces.mesh().faceArea(d.face));
+  for (int k = 0; k < 3; ++k) {
+    if (rate[k] < 0.0 && b[k] > 0.0) step = std::min(step, -0.5 * b[k] / rate[k]);
+  }
+  Eigen::Vector3d start = (b + step * rate).cwiseMax(0.0);
+  start /= start.sum();
+  return {d.face, start};
 }
 
 }  // namespace stormfield

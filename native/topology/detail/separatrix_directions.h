@@ -1,23 +1,21 @@
-// The directions in which trajectories leave and enter a fixed point of negative index.
+// The directions in which trajectories leave and enter a fixed point of negative index: the borders of its hyperbolic
+// sectors (thesis 2.2.1; Helman and Hesselink 1989; Andronov et al. 1973 for degenerate points).
 #pragma once
 
-#include "topology/fixed_points.h"
+#include <vector>
+
+#include "field/vector_field.h"
+#include "topology/entities.h"
+#include "tracing/flat_faces.h"
 
 namespace stormfield {
 
-/// A sector of the surface around a point: the part of one face between two directions.
-struct Sector {
-  Index face = kNone;
-  Complex apex;          ///< the point, in the face's flat frame
-  double from = 0.0;     ///< first direction, radians in the flat frame, counter-clockwise from there
-  double opening = 0.0;  ///< radians
-};
-/// The sectors around a point, counter-clockwise: one inside a face, two on an edge, a fan at a vertex (within 1e-6,
-/// barycentric).
-std::vector<Sector> sectorsAround(const VertexCharts& charts, const SurfacePoint& p);
-
-/// Directions along which the field points straight away from or to the point, where one kind follows the other: the
-/// borders of hyperbolic sectors. Needs no Jacobian, so that points at vertices and on edges are treated alike.
+/// Directions along which the field points straight away from the point or towards it, where one kind follows the
+/// other; counter-clockwise. Needs no Jacobian, so that points at vertices and on edges are treated alike.
 std::vector<SeparatrixDirection> separatrixDirections(const VectorField& field, const SurfacePoint& p);
+
+/// Where the trace of a separatrix begins: a thousandth of the face from the fixed point p, inside the face of its
+/// direction.
+SurfacePoint separatrixStart(const FlatFaces& faces, const SurfacePoint& p, const SeparatrixDirection& direction);
 
 }  // namespace stormfield

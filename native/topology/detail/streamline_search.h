@@ -1,115 +1,97 @@
-// One streamline of the search for a field's topology: followed until it has come to an end, or until it comes back to
-// an edge often enough to point at a periodic orbit.
+// One streamline of the search for a field's topology: traced until it ends in a limit set or at the boundary, or until
+// it returns to an edge often enough to be a candidate for a periodic orbit (thesis 3.1; Wischgoll and Scheuermann
+// 2001).
+//
+// It is traced in rounds: a streamline that has returned stops, its candidate is examined, and then it has ended, or it
+// is resumed.
+//
+//   StreamlineSearch streamline({.point = seed, .direction = Direction::Forward});
+//   streamline.trace(trace, limitSets, componentOf, 500000, nullptr);
+//   const bool isCandidate = streamline.state() == StreamlineSearch::State::Returned;
 #pragma once
 
 #include <array>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
 #include "base/progress.h"
-#include "topology/detail/orbit_search.h"
-#include "topology/detail/recurrent_parts.h"
-#include "topology/detail/trapping_region.h"
-#include "topology/topology.h"
+#include "topology/detail/known_limit_sets.h"
 
 namespace stormfield {
 
-/// What journeys end at. Grows between rounds and is only read while journeys run.
-class Destinations {
- public:
-  Destinations(const TriangleMesh& mesh, const std::vector<FixedPoint>& points, const std::vector<NodeBasin>& basins);
-
-  struct Arrival {
-    EntityRef entity;
-    int side = 0;  ///< of an orbit: 0 left, 1 right
-  };
-  /// The node in whose basin a point lies, for a streamline that goes this way.
-  EntityRef nodeAt(const FlatFaces& faces, const SurfacePoint& p, Direction direction) const;
-  /// The orbit that a streamline will come to from where it goes over this edge or vertex.
-  std::optional<Arrival> orbitBeyond(const EdgePassage& passage, Direction direction) const;
-  /// The orbit of which this passage is part, up to a distance (mesh units).
-  Index orbitAt(const EdgePassage& passage, double distance) const;
-  /// The node that a streamline inside this face circles for good.
-  EntityRef circledIn(Index face) const;
-  /// The saddle or other fixed point next to where a streamline has come to rest.
-  EntityRef restingAt(const TriangleMesh& mesh, const SurfacePoint& p) const;
-  /// Whether the surface has genus 1 or more.
-  bool hasHandles() const { return hasHandles_; }
-  Index bandAt(Index face) const {
-    const auto found = bands_.find(face);
-    return found == bands_.end() ? kNone : found->second;
-  }
-
-  void addOrbit(const FoundOrbit& found);
-  void addSection(Index orbit, const OrbitSection& section);
-  void addBandFace(Index face, Index orbit) { bands_.try_emplace(face, orbit); }
-  Index orbitCount() const { return static_cast<Index>(sides_.size()); }
-  SideFlow side(Index orbit, int side) const { return sides_[orbit][side]; }
-
- private:
-  struct KnownSection {
-    Index orbit;
-    OrbitSection section;
-  };
-
-  const TriangleMesh& mesh_;
-  const std::vector<FixedPoint>& points_;
-  const std::vector<NodeBasin>& basins_;
-  std::unordered_map<Index, std::vector<std::pair<Index, int>>> partsIn_;  ///< node and part of its basin, by face
-  std::vector<char> hasPart_, hasSection_;                                 ///< by face, by edge
-  std::vector<std::array<SideFlow, 2>> sides_;
-  std::vector<KnownSection> sections_;
-  std::unordered_map<Index, std::vector<Index>> sectionsOn_, sectionsAt_;  ///< by halfedge, by vertex
-  std::unordered_map<Index, Index> bands_;
-  bool hasHandles_ = false;
+/// Where and how a streamline of the search starts.
+struct StreamlineSeed {
+  SurfacePoint point;
+  Direction direction = Direction::Forward;
+  bool keepsPoints = false;             ///< the curve itself is wanted
+  std::optional<Index> component = {};  ///< the streamline ends where it leaves this recurrent component
 };
 
-class Journey {
+class StreamlineSearch {
  public:
-  SurfacePoint at;  ///< where it stands
-  Direction direction = Direction::Forward;
-  bool keepsPoints = false;
-  Index within = kNone;  ///< it ends where it leaves this part
-  // What came of it:
-  enum class State { Going, CameBack, Ended } state = State::Going;
-  Destinations::Arrival end;
-  Candidate candidate;  ///< where it CameBack
-  std::vector<SurfacePoint> points;
-  std::vector<double> times;
-  double length = 0.0;
+  enum class State { Going, Returned, Ended };
 
-  /// On from where it stands. walk must go its direction.
-  void travel(FlowWalk walk, const Destinations& destinations, const std::vector<Index>& partOf,
-              const TopologyOptions& options, const Progress* progress);
-  /// The candidate led nowhere: come back only after twice as many returns.
-  void doubt() { returnsWanted_ *= 2; }
-  /// On from another point of the same slow spiral.
-  void skipTo(const SurfacePoint& p) {
-    at = p;
-    visits_.clear();
-    returnsWanted_ = 2;
+  explicit StreamlineSearch(const StreamlineSeed& seed) : seed_(seed), at_(seed.point) {}
+
+  /// From where it stands. trace must have its direction; componentOf is the recurrent component of each face.
+  /// maxSteps: integration steps after which the streamline ends in nothing known.
+  void trace(CrossingTrace trace, const KnownLimitSets& limitSets, const std::vector<Index>& componentOf,
+             Index maxSteps, const Progress* progress);
+
+  Direction direction() const { return seed_.direction; }
+  State state() const { return state_; }
+  const OrbitCandidate& candidate() const { return candidate_; }  ///< where it has Returned
+  const StreamlineEnd& end() const { return end_; }               ///< where it has Ended
+  std::vector<SurfacePoint>& points() { return points_; }
+  std::vector<double>& times() { return times_; }  ///< per point, seconds
+  double length() const { return length_; }        ///< mesh units
+
+  // What came of its candidate:
+  void endIn(const StreamlineEnd& end) {
+    end_ = end;
+    state_ = State::Ended;
   }
-  /// Someone else's candidate is looked at first.
-  void wait() { ++returnsWanted_; }
-  void arrive(const Destinations::Arrival& arrival) {
-    end = arrival;
-    state = State::Ended;
+  /// No orbit: the streamline becomes a candidate again after twice as many returns.
+  void requireMoreReturns() { returnsRequired_ *= 2; }
+  /// Deferred: another candidate of this component is examined first.
+  void defer() { ++returnsRequired_; }
+  /// Continues from a later point of the same slow spiral.
+  void restartAt(const SurfacePoint& p) {
+    at_ = p;
+    visits_.clear();
+    returnsRequired_ = kFirstReturns;
   }
 
  private:
-  /// The last crossings of one edge.
+  static constexpr Index kFirstReturns = 2;
+
+  /// The last crossings of one halfedge.
   struct Visits {
     static constexpr int kKept = 8;
     Index count = 0;
-    double time = -1.0;  ///< of the last one, since the start
+    double time = -1.0;  ///< of the last one, seconds since the start; before any other
     std::array<double, kKept> fractions{};
     std::array<Index, kKept> numbers{};  ///< of the crossing, since the start
   };
-  bool cameBack(const Destinations& destinations, const EdgePassage& passage, double time, Index part);
 
-  std::unordered_map<Index, Visits> visits_;
-  Index part_ = kNone, crossings_ = 0, steps_ = 0, returnsWanted_ = 2;
-  double time_ = 0.0;
+  /// Whether the streamline has not left the component it is confined to; notes a change of component.
+  bool staysInComponent(Index component);
+  /// Whether it goes on after a crossing.
+  bool continuesAfter(const EdgePassage& passage, const KnownLimitSets& limitSets, double time);
+  bool hasReturned(const KnownLimitSets& limitSets, const EdgePassage& passage, double time);
+  void setCandidate(const KnownLimitSets& limitSets, const EdgePassage& passage, const Visits& visits);
+
+  StreamlineSeed seed_;
+  SurfacePoint at_;  ///< where it stands
+  State state_ = State::Going;
+  StreamlineEnd end_;
+  OrbitCandidate candidate_;
+  std::vector<SurfacePoint> points_;
+  std::vector<double> times_;
+  double length_ = 0.0, time_ = 0.0;
+  std::unordered_map<Index, Visits> visits_;  ///< by halfedge, of the component at hand
+  Index component_ = kNone, crossings_ = 0, steps_ = 0, returnsRequired_ = kFirstReturns;
 };
 
 }  // namespace stormfield

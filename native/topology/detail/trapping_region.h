@@ -1,19 +1,24 @@
-// Where a streamline is as good as in a sink or source: a neighbourhood that it cannot leave again.
+// A neighbourhood of a sink or source that no trajectory leaves: a streamline that enters it has found its limit set.
 //
-// Inside a face the field around the point is linear but for the curvature: the Lyapunov equation J'M + MJ = -1 gives
-// an ellipse that all flow enters, as large as fits into the face; its border is checked. Points on edges and at
-// vertices get small disks in all faces around them.
+// Inside a face the field around the point is linear but for the curvature. With J its Jacobian, the Lyapunov equation
+// J'M + MJ = -1 gives a quadratic form that falls along all trajectories of the linear field (Lyapunov 1892; Khalil
+// 2002, chapter 4), so that they enter its ellipses. The largest ellipse that fits into the face is taken, and shrunk
+// until the field itself crosses it inwards at 32 samples. Points on edges and at vertices, and degenerate ones, get
+// small disks in all faces around them, which are not tested.
+//
+//   const TrappingRegion region = trappingRegion(field, fixedPoint);
+//   const bool trapped = region.forward && region.ellipses.front().contains(p);
 #pragma once
 
 #include <vector>
 
-#include "topology/fixed_points.h"
-#include "tracing/trace.h"
+#include "field/vector_field.h"
+#include "topology/entities.h"
 
 namespace stormfield {
 
-/// In one face: (p - centre)' metric (p - centre) <= 1.
-struct BasinPart {
+/// In one face: (p - centre)' metric (p - centre) <= 1, in the face's flat frame.
+struct TrappingEllipse {
   Index face = kNone;
   Complex centre;
   Eigen::Matrix2d metric = Eigen::Matrix2d::Zero();
@@ -24,14 +29,15 @@ struct BasinPart {
   }
 };
 
-struct NodeBasin {
-  bool forward = false, backward = false;  ///< which streamlines end here
-  std::vector<BasinPart> parts;
-  SurfacePoint seed;  ///< near the point, on the other streamlines
+struct TrappingRegion {
+  bool forward = false, backward = false;  ///< which streamlines end here: those with, those against the flow
+  std::vector<TrappingEllipse> ellipses;   ///< one per face
+  SurfacePoint seed;                       ///< near the point, on a streamline that comes from there or goes there
 };
 
-/// Empty for a fixed point of negative index. A center that is a weak focus in truth keeps what comes into its face;
-/// the seed of a center is where streamlines around it first leave the face.
-NodeBasin nodeBasin(const VectorField& field, const FixedPoint& p);
+/// Empty for a fixed point of negative index. Around a center no trajectory leaves the largest ellipse of the linear
+/// field, and the seed is where streamlines around it first leave the face; a weak focus that counts as a center keeps
+/// what enters the ellipse.
+TrappingRegion trappingRegion(const VectorField& field, const FixedPoint& p);
 
 }  // namespace stormfield

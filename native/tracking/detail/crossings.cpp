@@ -10,11 +10,13 @@
 #include <optional>
 #include <utility>
 
+#include "tracking/detail/step_quadratic.h"
+
 namespace stormfield {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// Signs of products are trusted beyond this part of their size.
+/// Signs of products are trusted beyond this fraction of their size.
 constexpr double kTrusted = 1e-12;
 /// Length of an infinitesimal vector: far below any real one, while products of two are still numbers.
 constexpr double kInfinitesimal = 1e-120;
@@ -32,60 +34,19 @@ Complex times(Complex a, Complex b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-/// A part t of a step, with u = 1 - t kept beside it: beside an infinitesimal vector, events at the end
-/// of a step are as distinct as those at its begin.
-struct Time {
-  double t = 0.5, u = 0.5;
-
-  /// t : u, of the same sign.
-  static Time ratio(double t, double u) { return {t / (t + u), u / (t + u)}; }
-};
-
-Complex blend(Complex from, Complex to, const Time& at) {
+Complex blend(Complex from, Complex to, const StepTime& at) {
   return at.u * from + at.t * to;
 }
 
-/// Turn in (-pi, pi]. Adding zero turns -0 into 0, so that opposed vectors turn by +pi.
-double turnOf(double crossed, double dotted) {
+/// Rotation in (-pi, pi]. Adding zero makes 0 of -0, so that opposed vectors rotate by +pi.
+double rotationOf(double crossed, double dotted) {
   return std::atan2(crossed + 0.0, dotted);
 }
-
-/// c[0] u^2 + c[1] u t + c[2] t^2: the values at both samples and what is between them.
-struct Quadratic {
-  std::array<double, 3> c;
-
-  double slope(const Time& at) const { return at.u * (c[1] - 2.0 * c[0]) + at.t * (2.0 * c[2] - c[1]); }
-  bool above(double bound) const { return c[0] > bound && c[1] > bound && c[2] > bound; }
-  bool below(double bound) const { return c[0] < bound && c[1] < bound && c[2] < bound; }
-  double size() const { return std::abs(c[0]) + std::abs(c[1]) + std::abs(c[2]); }
-
-  struct Roots {
-    int count = 0;
-    std::array<Time, 2> times{};
-  };
-
-  /// Its roots in [0, 1] in order.
-  Roots roots() const {
-    const double discriminant = c[1] * c[1] - 4.0 * c[0] * c[2];
-    Roots found;
-    if (!(discriminant >= 0.0)) return found;
-    const double half = -0.5 * (c[1] + std::copysign(std::sqrt(discriminant), c[1]));
-    const auto add = [&](double t, double u) {
-      if ((t > 0.0 && u < 0.0) || (t < 0.0 && u > 0.0) || t + u == 0.0) return;
-      found.times[found.count++] = Time::ratio(t, u);
-    };
-    add(half, c[2]);
-    add(c[0], half);
-    const auto& [first, second] = found.times;
-    if (found.count == 2 && first.t * second.u > second.t * first.u) std::swap(found.times[0], found.times[1]);
-    return found;
-  }
-};
 
 /// The end vectors of one edge over one step of lambda, both as the head sees them.
 struct MovingEdge {
   Complex p0, p1, q0, q1;
-  Quadratic crossed, dotted;
+  StepQuadratic crossed, dotted;
 
   MovingEdge(Complex tail0, Complex tail1, Complex head0, Complex head1, Complex transport)
       : p0(times(transport, tail0)), p1(times(transport, tail1)), q0(head0), q1(head1) {
@@ -93,16 +54,16 @@ struct MovingEdge {
     dotted = {{dot(p0, q0), dot(p0, q1) + dot(p1, q0), dot(p1, q1)}};
   }
 
-  /// Whether the ends are surely never opposed.
-  bool calm() const {
+  /// Whether the ends are certainly never opposed.
+  bool neverOpposed() const {
     const double bound = kTrusted * (crossed.size() + dotted.size());
     return dotted.above(bound) || crossed.above(bound) || crossed.below(-bound);
   }
 
-  double turnBefore() const { return turnOf(crossed.c[0], dotted.c[0]); }
-  double turnAfter() const { return turnOf(crossed.c[2], dotted.c[2]); }
+  double rotationBefore() const { return rotationOf(crossed.c[0], dotted.c[0]); }
+  double rotationAfter() const { return rotationOf(crossed.c[2], dotted.c[2]); }
 
-  double along(const Time& at) const {
+  double along(const StepTime& at) const {
     const double p = std::abs(blend(p0, p1, at)), q = std::abs(blend(q0, q1, at));
     return p + q > 0.0 ? p / (p + q) : 0.5;
   }
@@ -110,31 +71,31 @@ struct MovingEdge {
 
 enum class Ends { Opposed, Aligned, Unclear };
 
-/// Length as part of what it is made of: round-off when the vector passes through zero.
-double smallness(Complex from, Complex to, const Time& at) {
+/// Length over the lengths it is blended from: round-off where the vector passes through zero.
+double smallness(Complex from, Complex to, const StepTime& at) {
   return std::abs(blend(from, to, at)) / (at.u * std::abs(from) + at.t * std::abs(to));
 }
 
 /// At a root of the cross product: Unclear where one of the ends is zero up to round-off.
-Ends endsAt(const MovingEdge& edge, const Time& at) {
+Ends endsAt(const MovingEdge& edge, const StepTime& at) {
   if (std::min(smallness(edge.p0, edge.p1, at), smallness(edge.q0, edge.q1, at)) <= kTrusted) return Ends::Unclear;
   return dot(blend(edge.p0, edge.p1, at), blend(edge.q0, edge.q1, at)) < 0.0 ? Ends::Opposed : Ends::Aligned;
 }
 
-/// When the vector is shortest on its straight way.
-Time shortest(Complex from, Complex to) {
+/// When the vector is shortest on its straight line from one sample to the next.
+StepTime shortest(Complex from, Complex to) {
   const double t = dot(from, from - to), u = dot(to, to - from);
   if (t <= 0.0 && u <= 0.0) return {};
-  return Time::ratio(std::max(t, 0.0), std::max(u, 0.0));
+  return StepTime::ratio(std::max(t, 0.0), std::max(u, 0.0));
 }
 
-/// One crossing that carries this charge is known to happen: when. Without a root, an end vector passes through zero
-/// and turns by half a circle on the spot, the tail's to the side of the charge or the head's to the other.
-Time timeOfOne(const MovingEdge& edge, int charge, double tailTurn, double headTurn) {
-  const Quadratic::Roots roots = edge.crossed.roots();
+/// When one crossing of this charge, which is known to happen, does. Without a root an end vector passes through zero,
+/// where its direction reverses at once: the tail's to the side of the charge, or the head's to the other.
+StepTime timeOfOne(const MovingEdge& edge, int charge, double tailRotation, double headRotation) {
+  const StepQuadratic::Roots roots = edge.crossed.roots();
   // At a double root the slope is round-off.
   double steepest = -kTrusted * edge.crossed.size();
-  std::optional<Time> fits;
+  std::optional<StepTime> fits;
   for (int k = 0; k < roots.count; ++k) {
     const double slope = edge.crossed.slope(roots.times[k]) * charge;
     if (slope < steepest || endsAt(edge, roots.times[k]) != Ends::Opposed) continue;
@@ -142,46 +103,47 @@ Time timeOfOne(const MovingEdge& edge, int charge, double tailTurn, double headT
     fits = roots.times[k];
   }
   if (fits) return *fits;
-  return tailTurn * charge > -headTurn * charge ? shortest(edge.p0, edge.p1) : shortest(edge.q0, edge.q1);
+  return tailRotation * charge > -headRotation * charge ? shortest(edge.p0, edge.p1) : shortest(edge.q0, edge.q1);
 }
 
-/// Both roots are of ends that pass through zero: whether the first of them turns the edge past pi. A vector that turns
-/// on the spot by tailTurn at the tail turns the edge the other way.
-bool turnsPastPi(const MovingEdge& edge, const Time& first, double tailTurn, double headTurn) {
+/// Both roots are of ends that pass through zero: whether the first of them rotates the edge past pi. A rotation of the
+/// tail's vector rotates the edge the other way.
+bool rotatesPastPi(const MovingEdge& edge, const StepTime& first, double tailRotation, double headRotation) {
   const bool tail = smallness(edge.p0, edge.p1, first) < smallness(edge.q0, edge.q1, first);
-  return (tail ? tailTurn < 0.0 : headTurn > 0.0) == (edge.crossed.c[0] >= 0.0);
+  return (tail ? tailRotation < 0.0 : headRotation > 0.0) == (edge.crossed.c[0] >= 0.0);
 }
 
-/// No index is left over: either nothing happens, or one charge comes and goes.
-std::optional<std::pair<Time, Time>> timesOfTwo(const MovingEdge& edge, double tailTurn, double headTurn) {
-  const Quadratic::Roots roots = edge.crossed.roots();
+/// When a charge crosses the edge and back, if it does at all: no index is left over.
+std::optional<std::pair<StepTime, StepTime>> timesOfTwo(const MovingEdge& edge, double tailRotation,
+                                                        double headRotation) {
+  const StepQuadratic::Roots roots = edge.crossed.roots();
   if (roots.count < 2) return std::nullopt;
   const auto& [first, second] = roots.times;
-  // With one of them certain, the other is as well, unless it is certain not to be.
+  // A certain crossing makes an unclear one certain: charges cross in pairs here.
   const Ends before = endsAt(edge, first), after = endsAt(edge, second);
   if (before == Ends::Aligned || after == Ends::Aligned) return std::nullopt;
   const bool unclear = before == Ends::Unclear && after == Ends::Unclear;
-  if (unclear && !turnsPastPi(edge, first, tailTurn, headTurn)) return std::nullopt;
-  // A turn of exactly +pi at a sample counts as one that has not yet crossed, or has crossed already.
+  if (unclear && !rotatesPastPi(edge, first, tailRotation, headRotation)) return std::nullopt;
+  // A rotation of exactly +pi at a sample counts as one that has not yet crossed, or has crossed already.
   if (first.t == 0.0 && !(edge.crossed.c[0] >= 0.0 && edge.crossed.slope(first) < 0.0)) return std::nullopt;
   if (second.u == 0.0 && !(edge.crossed.slope(second) > 0.0)) return std::nullopt;
   return std::pair(first, second);
 }
 
 /// The values of one sample with infinitesimal vectors in place of zero ones.
-class Sample {
+class SampleValues {
  public:
-  explicit Sample(const Complex* values) : values_(values) {}
+  explicit SampleValues(const Complex* values) : values_(values) {}
   Complex operator[](Index v) const { return values_[v] == 0.0 ? Complex(kInfinitesimal) : values_[v]; }
 
  private:
   const Complex* values_;
 };
 
-/// One step of lambda on some of the edges.
-class Step {
+/// One step of lambda between two samples.
+class LambdaStep {
  public:
-  Step(const ParameterizedField& field, Index j)
+  LambdaStep(const ParameterizedField& field, Index j)
       : charts_(*field.charts),
         mesh_(charts_.mesh()),
         from_(field.sample(j)),
@@ -195,34 +157,35 @@ class Step {
       const Index h = mesh_.edgeHalfedge(e);
       const Index tail = mesh_.tail(h), head = mesh_.head(h);
       const MovingEdge edge(from_[tail], to_[tail], from_[head], to_[head], charts_.transport(h));
-      if (!edge.calm()) add(found, e, edge, turnOfVertex(tail), turnOfVertex(head));
+      if (!edge.neverOpposed()) add(found, e, edge, vertexRotation(tail), vertexRotation(head));
     }
     return found;
   }
 
  private:
-  double turnOfVertex(Index v) const { return turnOf(cross(from_[v], to_[v]), dot(from_[v], to_[v])); }
+  double vertexRotation(Index v) const { return rotationOf(cross(from_[v], to_[v]), dot(from_[v], to_[v])); }
 
-  void add(std::vector<ZeroCrossing>& found, Index e, const MovingEdge& edge, double tailTurn, double headTurn) const {
-    const double excess = edge.turnAfter() - edge.turnBefore() - (headTurn - tailTurn);
+  void add(std::vector<ZeroCrossing>& found, Index e, const MovingEdge& edge, double tailRotation,
+           double headRotation) const {
+    const double excess = edge.rotationAfter() - edge.rotationBefore() - (headRotation - tailRotation);
     const int charge = static_cast<int>(std::lround(excess / (2.0 * kPi)));
     if (charge != 0) {
-      found.push_back(at(e, edge, timeOfOne(edge, charge, tailTurn, headTurn), charge));
-    } else if (const auto times = timesOfTwo(edge, tailTurn, headTurn)) {
+      found.push_back(at(e, edge, timeOfOne(edge, charge, tailRotation, headRotation), charge));
+    } else if (const auto times = timesOfTwo(edge, tailRotation, headRotation)) {
       const int first = edge.crossed.c[0] >= 0.0 ? -1 : 1;
       found.push_back(at(e, edge, times->first, first));
       found.push_back(at(e, edge, times->second, -first));
     }
   }
 
-  ZeroCrossing at(Index e, const MovingEdge& edge, const Time& time, int charge) const {
+  ZeroCrossing at(Index e, const MovingEdge& edge, const StepTime& time, int charge) const {
     return {time.t < 0.5 ? begin_ + time.t * (end_ - begin_) : end_ - time.u * (end_ - begin_), edge.along(time), e,
             charge};
   }
 
   const VertexCharts& charts_;
   const TriangleMesh& mesh_;
-  Sample from_, to_;
+  SampleValues from_, to_;
   double begin_, end_;
 };
 
@@ -237,13 +200,13 @@ std::vector<ZeroCrossing> zeroCrossings(const ParameterizedField& field, Progres
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
     if (progress.cancelled()) return;
     const Index block = static_cast<Index>(i % blocks);
-    const Step step(field, static_cast<Index>(i / blocks));
+    const LambdaStep step(field, static_cast<Index>(i / blocks));
     pieces[i] = step.crossings(block * kBlock, std::min(edges, (block + 1) * kBlock));
     progress.report(static_cast<double>(++done) / static_cast<double>(pieces.size()));
   });
   progress.check();
 
-  // Pieces of one step lie side by side; what is sorted inside each step stays sorted as a whole.
+  // Steps follow each other in lambda: crossings that are sorted within each step are sorted as a whole.
   std::vector<std::vector<ZeroCrossing>> sorted(steps);
   tbb::parallel_for(Index{0}, steps, [&](Index j) {
     for (Index block = 0; block < blocks; ++block) {
@@ -270,19 +233,19 @@ std::vector<ZeroCrossing> zeroCrossings(const ParameterizedField& field, Progres
 std::vector<int> firstIndices(const ParameterizedField& field) {
   const VertexCharts& charts = *field.charts;
   const TriangleMesh& mesh = charts.mesh();
-  const Sample values(field.sample(0));
+  const SampleValues values(field.sample(0));
   std::vector<int> indices(mesh.faceCount());
   tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
-    double turn = 0.0;
+    double rotation = 0.0;
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index canonical = mesh.edgeHalfedge(mesh.edge(h));
       const Complex p = times(charts.transport(canonical), values[mesh.tail(canonical)]);
       const Complex q = values[mesh.head(canonical)];
-      const double along = turnOf(cross(p, q), dot(p, q));
-      turn += canonical == h ? along : -along;
-      turn -= (1.0 - charts.scale(mesh.tail(h))) * mesh.cornerAngle(h);
+      const double along = rotationOf(cross(p, q), dot(p, q));
+      rotation += canonical == h ? along : -along;
+      rotation -= (1.0 - charts.scale(mesh.tail(h))) * mesh.cornerAngle(h);
     }
-    indices[f] = static_cast<int>(std::lround(turn / (2.0 * kPi)));
+    indices[f] = static_cast<int>(std::lround(rotation / (2.0 * kPi)));
   });
   return indices;
 }

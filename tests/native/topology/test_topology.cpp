@@ -312,6 +312,16 @@ TEST(Topology, RefusesWhatIsNoField) {
   expectFault<InputError>([&] { findTopology(faces, field); }, {"another mesh"});
 }
 
+TEST(Topology, RefusesOptionsThatAreNotPositive) {
+  const VectorField field = randomField(makeCharts(icosphere(1)), 1);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const TopologyOptions& options :
+       {TopologyOptions{.tolerance = 0.0}, TopologyOptions{.tolerance = nan}, TopologyOptions{.bandTolerance = -1.0},
+        TopologyOptions{.bandTolerance = nan}, TopologyOptions{.maxSteps = 0}}) {
+    expectFault<InputError>([&] { topologyOf(field, options); }, {"must be positive"});
+  }
+}
+
 TEST(Topology, StopsWhenCancelled) {
   const VectorField field = smoothField(icosphere(4), 1);
   const FlatFaces faces(field.charts);

@@ -1,15 +1,15 @@
-#include "streamlines/detail/surface_walk.h"
+#include "streamlines/detail/straightest_path.h"
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 namespace stormfield {
 namespace {
 
-constexpr int kNoSide = -1;
 /// Bounds the work where round-off lets a path circle a vertex.
-constexpr int kMostFaces = 100000;
-/// As near to a corner as a path may cross an edge.
+constexpr int kMaxFaces = 100000;
+/// Smallest distance from a vertex at which a path crosses an edge, as a fraction of the edge.
 constexpr double kBesideVertex = 1e-9;
 
 Complex side(const FlatFace& face, int i) {
@@ -24,16 +24,17 @@ SurfacePoint pointIn(Index f, const FlatFace& face, Complex position) {
 
 }  // namespace
 
-SurfaceWalk walkStraight(const FlatFaces& faces, const SurfacePoint& from, Complex direction, double length) {
+StraightestPath straightestPath(const FlatFaces& faces, const SurfacePoint& from, Complex direction, double length) {
   Index f = from.face;
   Complex position = faces[f].point(from.barycentric), d = direction / std::abs(direction);
   double left = length;
-  int entry = kNoSide;
-  for (int visited = 0; visited < kMostFaces; ++visited) {
+  std::optional<int> entry;
+  for (int visited = 0; visited < kMaxFaces; ++visited) {
     const FlatFace& face = faces[f];
     const Eigen::Vector3d b = face.barycentric(position), rate = face.barycentricRate(d);
+    // The first side that the path meets, but not the one it has just crossed.
     double exit = std::numeric_limits<double>::infinity();
-    int across = kNoSide;
+    std::optional<int> across;
     for (int i = 0; i < 3; ++i) {
       if (rate[i] >= 0.0 || (i + 1) % 3 == entry) continue;
       const double distance = std::max(0.0, b[i]) / -rate[i];
@@ -42,21 +43,22 @@ SurfaceWalk walkStraight(const FlatFaces& faces, const SurfacePoint& from, Compl
         across = (i + 1) % 3;
       }
     }
-    if (across == kNoSide || exit >= left) {
+    if (!across || exit >= left) {
       position += left * d;
       left = 0.0;
       break;
     }
     position += exit * d;
     left -= exit;
-    const Index twin = face.twin(across);
+    const Index twin = face.twin(*across);
     if (twin == kNone) break;
-    const Complex s = side(face, across), onSide = (position - face.corner(across)) * std::conj(s);
+    const Complex s = side(face, *across), onSide = (position - face.corner(*across)) * std::conj(s);
     const double fraction = std::clamp(onSide.real() / std::norm(s), kBesideVertex, 1.0 - kBesideVertex);
     f = TriangleMesh::face(twin);
     entry = TriangleMesh::corner(twin);
-    const Complex back = side(faces[f], entry);
-    position = faces[f].corner(entry) + (1.0 - fraction) * back;
+    // On in the frame of the next face, where the side has the opposite direction.
+    const Complex back = side(faces[f], *entry);
+    position = faces[f].corner(*entry) + (1.0 - fraction) * back;
     d *= -back / s;
     d /= std::abs(d);
   }

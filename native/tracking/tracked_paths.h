@@ -1,0 +1,59 @@
+// The paths and bifurcations of a field's fixed points over lambda: what tracking finds and persistence simplifies
+// (thesis 10.1.4, 11.2.2).
+//
+// In mesh x lambda the zeros of the field form curves. A path is a piece of one on which lambda grows; a bifurcation is
+// where a curve turns back, or where a path changes its stability.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "topology/entities.h"
+
+namespace stormfield {
+
+struct PathSample {
+  double lambda = 0.0;
+  SurfacePoint point;
+  Vec3 position = Vec3::Zero();
+  FixedPointKind kind = FixedPointKind::Degenerate;
+};
+
+/// Where a path begins or ends: at the first or last sample of the field, at the mesh boundary, or with a second path.
+enum class PathEnd { Range, Boundary, Bifurcation };
+
+struct TrackedPath {
+  int index = 0;                                     ///< Poincare index, +1 or -1
+  FixedPointKind kind = FixedPointKind::Degenerate;  ///< what it is for the longest share of its life
+  std::vector<PathSample> samples;                   ///< at every sample of the field and every edge, and in between
+  PathEnd begin = PathEnd::Range, end = PathEnd::Range;
+  double strength = 0.0;  ///< mean of sqrt|det J| over its life, 1/s
+  double rotation = 0.0;  ///< mean of the curl over its life, 1/s: > 0 is counter-clockwise seen from outside
+
+  /// The interval of lambda it lives through: its persistence.
+  double life() const { return samples.back().lambda - samples.front().lambda; }
+};
+
+enum class BifurcationKind { Creation, Annihilation, Hopf };
+
+struct Bifurcation {
+  double lambda = 0.0;
+  SurfacePoint point;
+  Vec3 position = Vec3::Zero();
+  BifurcationKind kind = BifurcationKind::Hopf;
+  FixedPointKind node = FixedPointKind::Degenerate;  ///< source or sink that meets the saddle; Hopf: what it becomes
+  std::array<Index, 2> paths{kNone, kNone};          ///< node's and saddle's path; Hopf: the path and kNone
+};
+
+struct Tracking {
+  std::vector<TrackedPath> paths;         ///< in the order they begin, those of the first sample by face
+  std::vector<Bifurcation> bifurcations;  ///< by lambda
+};
+
+/// Lower-case word used in files and messages.
+const char* name(BifurcationKind kind);
+
+/// The kind with the longest share of lambda; of equal ones the first in the order of the kinds.
+FixedPointKind prevailingKind(const std::vector<PathSample>& samples);
+
+}  // namespace stormfield
