@@ -17,20 +17,24 @@ struct EvenStreamlinesHandle {
   std::vector<Index> roles;
 };
 
-/// What a given curve is: 1 a closed one, 2 with the flow from its first point, 3 against it; 0 is any other line.
-Index role(const GivenCurve& curve) {
-  return curve.closed ? 1 : curve.againstFlow ? 3 : 2;
+/// What a line is. The numbers are those of Python's roles.
+enum class LineRole : Index { Between = 0, Closed = 1, WithFlow = 2, AgainstFlow = 3 };
+
+LineRole role(const GivenCurve& curve) {
+  return curve.closed ? LineRole::Closed : curve.againstFlow ? LineRole::AgainstFlow : LineRole::WithFlow;
 }
 
 using StreamlinesJob = Job<std::shared_ptr<const EvenStreamlinesHandle>>;
 
 GivenCurve givenCurve(const TriangleMesh& mesh, const py::handle& item) {
-  const auto parts = py::cast<py::tuple>(item);
-  if (parts.size() != 4) throw InputError("a given curve is (faces, barycentric, closed, against_flow)");
-  return {inputSurfacePoints(mesh, parts[0], parts[1]), parts[2].cast<bool>(), parts[3].cast<bool>()};
+  const auto fields = py::cast<py::tuple>(item);
+  if (fields.size() != 4) throw InputError("a given curve is (faces, barycentric, closed, against_flow)");
+  return {.points = inputSurfacePoints(mesh, fields[0], fields[1]),
+          .closed = fields[2].cast<bool>(),
+          .againstFlow = fields[3].cast<bool>()};
 }
 
-/// Part of the progress that the topology is taken for.
+/// Fraction of the progress that the topology stands for.
 constexpr double kTopology = 0.4;
 
 std::shared_ptr<StreamlinesJob> start(const FieldHandle& field, double distance, bool topology,
@@ -53,7 +57,9 @@ std::shared_ptr<StreamlinesJob> start(const FieldHandle& field, double distance,
         features.curves.insert(features.curves.begin(), given.begin(), given.end());
         EvenStreamlines lines = placeStreamlines(faces, values, spacing, features, &progress);
         std::vector<Index> roles;
-        for (const Index i : lines.given) roles.push_back(i == kNone ? 0 : role(features.curves[i]));
+        for (const Index i : lines.given) {
+          roles.push_back(static_cast<Index>(i == kNone ? LineRole::Between : role(features.curves[i])));
+        }
         return std::make_shared<const EvenStreamlinesHandle>(
             EvenStreamlinesHandle{mesh, std::move(lines), std::move(roles)});
       });
@@ -96,7 +102,7 @@ void bind_streamlines(py::module_& m) {
           "(or a curve with the flow), 3 one that enters its saddle (or a curve against the flow).")
       .def_property_readonly(
           "quiet_area", [](const EvenStreamlinesHandle& self) { return self.lines.quietArea; },
-          "Part of the surface, 0..1, where the field stands still.")
+          "Fraction of the surface where the field is still.")
       .def_property_readonly(
           "gaps", [](const EvenStreamlinesHandle& self) { return positionsOf(self.mesh->mesh(), self.lines.gaps); },
           "(g, 3) float64, places where no line could be drawn although the field flows; mostly none.");
@@ -112,8 +118,8 @@ void bind_streamlines(py::module_& m) {
       "distance: between lines, mesh units. topology: whether the field's periodic orbits and separatrices are found\n"
       "and drawn first; given is then their number after the curves: orbits, then separatrices. Without, lines begin\n"
       "around fixed points. curves: more known streamlines that the others leave room, each (faces (k,) int32,\n"
-      "barycentric (k, 3) float64, closed, against_flow), from the end that stays. min_speed: part of the fastest\n"
-      "vertex's speed that counts as standing still. The same result for any number of threads.\n"
+      "barycentric (k, 3) float64, closed, against_flow), from the end that stays. min_speed: fraction of the\n"
+      "fastest vertex's speed below which the field counts as still. The same result for any number of threads.\n"
       "result() raises InputError and Cancelled.");
 }
 

@@ -29,7 +29,7 @@ py::array_t<double> vectorArray(const Vec3& v) {
   return py::array_t<double>(3, v.data());
 }
 
-/// Python's Topology and its parts: all share the result.
+/// Python's Topology, its orbits and separatrices: all share the result.
 struct TopologyHandle {
   std::shared_ptr<MeshHandle> mesh;
   std::shared_ptr<const Topology> topology;
@@ -68,16 +68,16 @@ std::shared_ptr<Job<TopologyHandle>> startTopology(const FieldHandle& field, dou
   return std::make_shared<Job<TopologyHandle>>(work, progress);
 }
 
-template <typename Handle, typename Part>
-py::list handles(const TopologyHandle& self, const std::vector<Part>& parts) {
+template <typename Handle, typename Item>
+py::list handles(const TopologyHandle& self, const std::vector<Item>& items) {
   py::list result;
-  for (const Part& part : parts) result.append(Handle{self.mesh, self.topology, &part});
+  for (const Item& item : items) result.append(Handle{self.mesh, self.topology, &item});
   return result;
 }
 
 void bindCurves(py::module_& m) {
   py::class_<BoundaryPoint>(m, "BoundaryPoint", py::module_local(),
-                            "Where the flow turns from in to out along the boundary. Immutable.")
+                            "Where the flow along the boundary changes between entering and leaving. Immutable.")
       .def_property_readonly(
           "position", [](const BoundaryPoint& p) { return vectorArray(p.position); }, "(3,) float64, mesh units.")
       .def_property_readonly(
@@ -139,8 +139,9 @@ void bindCurves(py::module_& m) {
 }
 
 void bindResult(py::module_& m) {
-  py::class_<TopologyHandle>(m, "Topology", py::module_local(),
-                             "What a field does: all its entities and how they are linked. Immutable.")
+  py::class_<TopologyHandle>(
+      m, "Topology", py::module_local(),
+      "The topology of a field: its entities, and the entity connection graph that links them. Immutable.")
       .def_property_readonly(
           "fixed_points", [](const TopologyHandle& self) { return self.topology->fixedPoints; },
           "list of FixedPoint, in face order.")
@@ -169,7 +170,7 @@ void bindResult(py::module_& m) {
           "numbers of the separatrices that make the link, none where a whole basin does. With the flow.")
       .def_property_readonly(
           "zero_faces", [](const TopologyHandle& self) { return self.topology->zeros.faces; },
-          "Number of faces where the field is zero altogether.")
+          "Number of faces with three zero vectors.")
       .def_property_readonly(
           "zero_vertices", [](const TopologyHandle& self) { return self.topology->zeros.vertices; },
           "Number of vertices with a zero vector.")
@@ -194,7 +195,7 @@ void bind_topology(py::module_& m) {
       .def_property_readonly(
           "kind", [](const FixedPoint& p) { return name(p.kind); }, "source, sink, saddle, center or degenerate.")
       .def_property_readonly("jacobian", &jacobianArray, "(2, 2) float64 in the flat frame of the face, 1/s.")
-      .def_readonly("rotation", &FixedPoint::rotation, "Curl, 1/s: > 0 turns counter-clockwise seen from outside.")
+      .def_readonly("rotation", &FixedPoint::rotation, "Curl, 1/s: > 0 is counter-clockwise seen from outside.")
       .def_property_readonly(
           "eigenvalues", [](const FixedPoint& p) { return py::make_tuple(p.eigenvalues[0], p.eigenvalues[1]); },
           "2 complex, 1/s: by falling real part, or a conjugate pair.")
@@ -219,7 +220,7 @@ void bind_topology(py::module_& m) {
       });
 
   m.def("fixed_points", &fixedPoints, py::arg("field"), py::arg("relative_tolerance") = 1e-3,
-        "Fixed points of a VectorField, in face order. relative_tolerance: |trace| below this part of the rotation "
+        "Fixed points of a VectorField, in face order. relative_tolerance: |trace| below this fraction of the rotation "
         "counts\n"
         "as a center, |det| below its square (relative to the Jacobian) as degenerate.");
   bindCurves(m);
@@ -231,9 +232,9 @@ void bind_topology(py::module_& m) {
         py::arg("max_steps") = defaults.maxSteps, py::arg("progress") = std::shared_ptr<Progress>(),
         "Find the whole topology of a VectorField on a thread of its own -> TopologyJob.\n\n"
         "relative_tolerance: as in fixed_points. tolerance: of one step of a streamline, in mean edge lengths.\n"
-        "band_tolerance: a closed streamline whose neighbours, half an edge away, return to within this part of that\n"
+        "band_tolerance: a closed streamline whose neighbours, half an edge away, return within this fraction of that\n"
         "distance stands for a band. max_steps: integration steps, as a rule one for each face, after\n"
-        "which a streamline is given up.\n"
+        "which a streamline ends in nothing known.\n"
         "The same result for any number of threads. Memory: about 500 bytes per face, the mesh included (2.5 GB for 5 "
         "million faces).\n"
         "result() raises InputError and Cancelled.");

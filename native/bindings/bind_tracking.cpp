@@ -3,13 +3,14 @@
 #include "bindings/bindings.h"
 #include "bindings/job.h"
 #include "tracking/persistence.h"
+#include "tracking/tracking.h"
 
 namespace stormfield::bindings {
 namespace {
 
 using TrackingPointer = std::shared_ptr<const Tracking>;
 
-/// Python's view of one path: part of a Tracking, which it keeps.
+/// Python's view of one path of a Tracking, which it keeps alive.
 struct PathView {
   TrackingPointer tracking;
   std::size_t number;
@@ -78,13 +79,14 @@ void bindPath(py::module_& m) {
           "index", [](const PathView& v) { return v.path().index; }, "Poincare index, +1 or -1.")
       .def_property_readonly(
           "kind", [](const PathView& v) { return name(v.path().kind); },
-          "source, sink, saddle, center or degenerate: what it is for the longest part of its life.")
+          "source, sink, saddle, center or degenerate: what it is for the longest share of its life.")
       .def_property_readonly(
           "begin", [](const PathView& v) { return beginName(v.path().begin); }, "first, boundary or creation.")
       .def_property_readonly(
           "end", [](const PathView& v) { return endName(v.path().end); }, "last, boundary or annihilation.")
       .def_property_readonly(
-          "life", [](const PathView& v) { return v.path().life(); }, "Part of lambda it lives through.")
+          "life", [](const PathView& v) { return v.path().life(); },
+          "Interval of lambda it lives through: its persistence.")
       .def_property_readonly(
           "strength", [](const PathView& v) { return v.path().strength; }, "Mean of sqrt|det J| over its life, 1/s.")
       .def_property_readonly(
@@ -125,7 +127,7 @@ void bindBifurcation(py::module_& m) {
   py::class_<Bifurcation>(m, "Bifurcation", py::module_local(), "Where the topology changes. Immutable.")
       .def_readonly("lam", &Bifurcation::lambda)
       .def_property_readonly(
-          "face", [](const Bifurcation& b) { return b.point.face; }, "Face that holds the place.")
+          "face", [](const Bifurcation& b) { return b.point.face; }, "Face that holds the point.")
       .def_property_readonly(
           "barycentric", [](const Bifurcation& b) { return vectorArray(b.point.barycentric); }, "(3,) float64.")
       .def_property_readonly(
@@ -159,7 +161,8 @@ void bind_tracking(py::module_& m) {
             return std::make_shared<Tracking>(persistent(t, {minLife, minStrength}));
           },
           py::arg("min_life") = 0.0, py::arg("min_strength") = 0.0,
-          "A Tracking without paths that live shorter than min_life (of lambda): pairs go together, folds become one "
+          "A Tracking without paths that live shorter than min_life (of lambda): pairs are removed together, folds "
+          "become one "
           "path,\n"
           "so that the sum of indices stays; then without those weaker than min_strength (1/s).");
 
@@ -174,7 +177,7 @@ void bind_tracking(py::module_& m) {
         "sqrt(det))\n"
         "has exceeded this on both sides. chord_tolerance: samples are added until the curves differ from their chords "
         "by\n"
-        "less than this part of the mean edge length.");
+        "less than this fraction of the mean edge length.");
 }
 
 }  // namespace stormfield::bindings
