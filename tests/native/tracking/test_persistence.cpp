@@ -8,6 +8,7 @@
 #include "checks.h"
 #include "long_tests.h"
 #include "tracked_fields.h"
+#include "tracking/tracking.h"
 
 namespace stormfield::test {
 namespace {
