@@ -16,8 +16,7 @@ struct Coverage::Corners {
   std::array<Eigen::Vector3d, 3> b;
 };
 
-Coverage::Coverage(const FlatFaces& faces, const VectorField& field, double reach, double resolution,
-                   double minSpeed)
+Coverage::Coverage(const FlatFaces& faces, const VectorField& field, double reach, double resolution, double minSpeed)
     : faces_(faces),
       field_(field),
       reach_(reach),
