@@ -33,7 +33,7 @@ struct StreamlineFeatures {
 };
 
 struct EvenSpacing {
-  double distance = 0.0;       ///< d, mesh units; at least a 2000th of the mesh's size
+  double distance = 0.0;   ///< d, mesh units; at least a 2000th of the mesh's size
   double minSpeed = 1e-6;  ///< fraction of the fastest vertex's speed below which the field counts as still
 };
 

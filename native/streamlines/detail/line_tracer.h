@@ -38,7 +38,7 @@ struct LineRules {
   double distance = 0.0;      ///< d, mesh units
   double testDistance = 0.0;  ///< nearer than this to another line, a line ends; mesh units
   double step = 0.0;          ///< between the points of a line, mesh units
-  double minSpeed = 0.0;  ///< fraction of the fastest vertex's speed at which lines end
+  double minSpeed = 0.0;      ///< fraction of the fastest vertex's speed at which lines end
   std::size_t maxPoints = 0;  ///< of one half of a line
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "topology/fixed_points.h"
 #include "topology/zero_search.h"
 
 namespace stormfield {
