@@ -31,6 +31,10 @@ SHARED = """
 std::shared_ptr<const VectorField> field
 std::shared_ptr<const FlatFaces> faces
 """
+TRACE = """
+CrossingTrace trace
+std::vector<Index> componentOf
+"""
 LAMBDAS = """
 ParameterizedField field, fieldOverLambda
 std::vector<SurfacePoint> seeds
@@ -49,23 +53,36 @@ ConstraintSet constraints
     "design/log_map_cache.h": ELEMENTS + "\nElementOptions options",
     "io/flow_map.h": "FaceUvs uvs",
     "io/voxel_band.h": "ClosestPointQuery query",
-    "maps/detail/cone_transit.h": SHARED + "int side",
-    "maps/detail/face_transit.h": SHARED + "double from, other",
-    "maps/transit_map.h": SHARED + "std::vector<Index> pieces\nstd::shared_ptr<const ConeTransit> cones",
+    "morse/detail/deadline.h": "extern void work(Progress* limited)",
+    "morse/detail/exit_set.h": "FaceSets sets",
+    "morse/morse_model.h": "std::shared_ptr<const FlatFaces> faces",
     "morse/conley_index.h": "FaceSets sets\nIndexPair pair",
     "morse/morse_analysis.h": "std::shared_ptr<const FlatFaces> faces",
     "morse/morse_connection_graph.h": "CombinatorialMap map\nComponents components\nFaceSets sets",
     "morse/morse_decomposition.h": "CombinatorialMap map\nMorseOptions options",
     "morse/persistence.h": "ErrorBoundedMap bounded\nFaceSets sets\ndouble epsilon",
     "morse/tau_refinement.h": SHARED,
-    "morse/transit_persistence.h": "TransitRefinement refinement\nTransitDecomposition decomposition",
+    "morse/transit_persistence.h": "TransitRefinement refinement",
     "morse/transit_refinement.h": SHARED,
     "solver/space_time_solver.h": "ConstraintSet constraints, movedConstraints",
+    "streamlines/detail/line_tracer.h": "LineRules rules\nextern NearLines lines",
+    "streamlines/detail/straightest_path.h": "SurfacePoint from\ndouble length",
+    "topology/detail/known_limit_sets.h": """
+std::vector<FixedPoint> fixedPoints
+std::vector<TrappingRegion> trappingRegions
+""",
+    "topology/detail/orbit_search.h": "std::vector<Index> componentOf\nOrbitCandidate candidate",
+    "topology/detail/return_map.h": TRACE + "Section section\nIndex component",
+    "topology/detail/section.h": "Index halfedge\nEdgePassage passage",
+    "topology/detail/streamline_search.h": TRACE + "KnownLimitSets limitSets",
+    "topology/detail/trapping_region.h": "FixedPoint fixedPoint\nComplex p",
+    "topology/zero_search.h": "Index face",
     "tracing/detail/face_steps.h": "StepLimits limits\nFaceFlow faceFlow\nSidePoint entry\nEigen::Vector3d inside",
     "tracing/flat_faces.h": "Complex* values",
-    "tracing/particle_lines.h": LAMBDAS,
+    "tracing/particle_lines.h": LAMBDAS + "std::vector<SurfacePoint> curve",
     "tracing/pathline.h": LAMBDAS,
     "tracing/streamline.h": "std::vector<SurfacePoint> seeds",
+    "tracking/persistence.h": "Tracking tracking",
     "tracking/tracking.h": LAMBDAS + "extern std::vector<Vec3> begins",
 }
 
@@ -100,7 +117,12 @@ def source(headers: dict[str, str]) -> str:
     for path, text in headers.items():
         for line, code in examples(text):
             count += 1
-            parts += [f"namespace example{count} {{", declared(OWN.get(path, "")), "void example() {"]
+            parts += [
+                f'#line 1 "context of {path}"',
+                f"namespace example{count} {{",
+                declared(OWN.get(path, "")),
+                "void example() {",
+            ]
             parts += [f'#line {line} "native/{path}"', code, "}", "}"]
     return "\n".join([*parts, "}", ""])
 
