@@ -4,6 +4,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/job.h"
+#include "maps/error_bound.h"
 #include "morse/morse_analysis.h"
 
 namespace stormfield::bindings {
