@@ -45,7 +45,7 @@ struct Topology {
 };
 
 struct TopologyOptions {
-  FixedPointOptions fixedPoints;
+  FixedPointOptions fixedPoints = {};
   /// Largest estimated error of one step of the streamlines, in mean edge lengths.
   double tolerance = 1e-6;
   /// A closed streamline belongs to a band of closed streamlines if its neighbours, half an edge away on either side,

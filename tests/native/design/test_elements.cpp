@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include "design/detail/curve_strip.h"
+#include "field/interpolation.h"
 #include "storm_checks.h"
 
 namespace stormfield {

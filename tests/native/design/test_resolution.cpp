@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "field/interpolation.h"
 #include "long_tests.h"
 #include "storm_checks.h"
 

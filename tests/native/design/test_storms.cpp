@@ -1,3 +1,4 @@
+#include "field/interpolation.h"
 #include "storm_checks.h"
 
 #include "design/detail/junction.h"
