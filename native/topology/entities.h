@@ -35,7 +35,7 @@ struct FixedPoint {
   /// Unit vectors in space, zero where the eigenvalues are not real.
   std::array<Vec3, 2> eigenvectors{Vec3::Zero(), Vec3::Zero()};
   /// Of points with a negative index, counter-clockwise; alternately outgoing and incoming.
-  std::vector<SeparatrixDirection> separatrices;
+  std::vector<SeparatrixDirection> separatrices = {};
 };
 
 enum class OrbitKind {

@@ -32,7 +32,7 @@ struct TrappingEllipse {
 struct TrappingRegion {
   bool forward = false, backward = false;  ///< which streamlines end here: those with, those against the flow
   std::vector<TrappingEllipse> ellipses;   ///< one per face
-  SurfacePoint seed;                       ///< near the point, on a streamline that comes from there or goes there
+  SurfacePoint seed = {};                  ///< near the point, on a streamline that comes from there or goes there
 };
 
 /// Empty for a fixed point of negative index. Around a center no trajectory leaves the largest ellipse of the linear
