@@ -106,7 +106,7 @@ LineTracer::OwnArc LineTracer::ownArc(const Side& side) const {
 }
 
 /// Piece by piece until the line closes, ends, or is too near to another one. While it runs along its own beginning it
-/// goes on, as it may close; if it does not, it ends where it came near.
+/// continues, as it may close; if it does not, it ends where it came near.
 void LineTracer::extend(Side& side, const Progress* progress) {
   double length = rules_.step;
   while (side.points.size() < rules_.maxPoints) {

@@ -42,7 +42,7 @@ class LinkBuilder {
       link({EntityKind::PeriodicOrbit, side.orbit}, evidence.ends[side.streamline].entity, side.direction);
     }
   }
-  /// Just beyond the band the flow leaves it for good, or comes to it.
+  /// Just beyond the band the flow leaves it, or comes to it.
   void addBandEnds(const ConnectionEvidence& evidence) {
     for (const auto& bandEnd : evidence.bandEnds) {
       const EntityRef band{EntityKind::PeriodicOrbit, bandEnd.orbit};

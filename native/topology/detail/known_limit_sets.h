@@ -1,5 +1,5 @@
-// The fixed points, periodic orbits and bands that are known already, and by which part of the surface a streamline
-// tells that it ends in one of them (limit sets; thesis 2.2.1).
+// The limit sets that are known already (fixed points, periodic orbits and bands; thesis 2.2.1), and the places on the
+// surface from which a streamline ends in one of them.
 //
 //   KnownLimitSets limitSets(mesh, fixedPoints, trappingRegions);
 //   const EntityRef node = limitSets.fixedPointTrapping(faces, p, Direction::Forward);
@@ -30,7 +30,7 @@ class KnownLimitSets {
 
   /// The fixed point whose trapping region holds p, for a streamline of this direction.
   EntityRef fixedPointTrapping(const FlatFaces& faces, const SurfacePoint& p, Direction direction) const;
-  /// The fixed point around which a streamline stays inside this face for good.
+  /// The fixed point around which a streamline stays that does not leave this face.
   EntityRef centerIn(Index face) const;
   /// The fixed point, of any kind, next to which a streamline has stopped.
   EntityRef fixedPointNear(const SurfacePoint& p) const;

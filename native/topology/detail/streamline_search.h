@@ -77,7 +77,7 @@ class StreamlineSearch {
 
   /// Whether the streamline has not left the component it is confined to; notes a change of component.
   bool staysInComponent(Index component);
-  /// Whether it goes on after a crossing.
+  /// Whether the trace continues after a crossing.
   bool continuesAfter(const EdgePassage& passage, const KnownLimitSets& limitSets, double time);
   bool hasReturned(const KnownLimitSets& limitSets, const EdgePassage& passage, double time);
   void setCandidate(const KnownLimitSets& limitSets, const EdgePassage& passage, const Visits& visits);
