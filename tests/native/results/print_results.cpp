@@ -126,7 +126,7 @@ void findMorseSets(const VectorField& field, const std::shared_ptr<const FlatFac
     hash.add(set.kind), hash.add(set.poincare), hash.add(set.persistence);
   }
   for (const auto& [from, to] : analysis.decomposition.graph.edges) hash.add(from), hash.add(to);
-  addMap(hash, *analysis.map);
+  addMap(hash, analysis.model->map());
   hash.print(name);
 }
 
