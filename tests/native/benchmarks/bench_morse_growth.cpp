@@ -6,7 +6,9 @@
 
 #include "data_sets.h"
 #include "growth.h"
+#include "maps/tau_map.h"
 #include "morse/morse_analysis.h"
+#include "morse/transit_refinement.h"
 #include "rough_field.h"
 
 namespace stormfield {

@@ -5,6 +5,7 @@
 #include "../tracking/tracked_fields.h"
 #include "fixtures.h"
 #include "tracking/tracking.h"
+#include "topology/fixed_points.h"
 
 namespace stormfield {
 namespace {
