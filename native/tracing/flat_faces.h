@@ -34,7 +34,8 @@ namespace stormfield {
 /// function of the vertex values, so that blending in lambda may be done before or after.
 struct CarriedVectors {
   std::array<Complex, 3> exact;
-  Eigen::Array4f x, y;  ///< the same, one lane per corner; the fourth is zero
+  Eigen::Array4f x = Eigen::Array4f::Zero(),
+                 y = Eigen::Array4f::Zero();  ///< the same, one lane per corner; the fourth is zero
 
   /// this + factor * other
   CarriedVectors plus(double factor, const CarriedVectors& other) const {

@@ -248,12 +248,13 @@ class Integrator {
 
   Index face_ = kNone;
   const FlatFace* flat_ = nullptr;
-  typename Flow::Local local_;
+  typename Flow::Local local_{};
   bool loaded_ = false;
   SidePoint entry_;         ///< where the particle entered the face, as long as it is there
   bool positioned_ = true;  ///< else it is at the entry, or at inside_
-  Eigen::Vector3d inside_;  ///< barycentric coordinates after a step in closed form that ends inside
-  FaceFlow faceFlow_;       ///< of the face faceOfFlow_
+  Eigen::Vector3d inside_ =
+      Eigen::Vector3d::Zero();  ///< barycentric coordinates after a step in closed form that ends inside
+  FaceFlow faceFlow_{};         ///< of the face faceOfFlow_
   Index faceOfFlow_ = kNone;
   typename Flow::Cursor cursor_;
   Complex position_;
