@@ -4,8 +4,8 @@
 
 #include "../tracking/tracked_fields.h"
 #include "fixtures.h"
-#include "tracking/tracking.h"
 #include "topology/fixed_points.h"
+#include "tracking/tracking.h"
 
 namespace stormfield {
 namespace {
