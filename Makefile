@@ -4,7 +4,7 @@
 # make test-threads  the C++ tests under the thread sanitizer
 # make test-long     the long versions of the C++ tests: finer meshes, more samples, more random designs
 # make bench  benchmarks; they print ratios
-# make lint   formatting, ruff, mypy
+# make lint   formatting, ruff, mypy (which knows the core by its stubs)
 # make docs   the documentation, in build/docs/html; warnings are errors
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
@@ -45,6 +45,8 @@ build/.installed: build/.core build/.environments $(addon_sources) pyproject.tom
 	  $$environment/bin/python -m pip install --quiet --no-deps --no-build-isolation --force-reinstall \
 	    -C cmake.define.STORMFIELD_CORE_DIR=$(CURDIR)/build/release . ; \
 	done
+	@mkdir -p build/stubs
+	@cp .venv/lib/python*/site-packages/stormfield_native-stubs/__init__.pyi build/stubs/stormfield_native.pyi
 	@touch $@
 
 demo: all
@@ -109,7 +111,8 @@ build/.lint: pyproject.toml
 	.venv-lint/bin/python -m pip install --quiet $(call extra,lint)
 	@touch $@
 
-lint: build/.packages build/.lint
+# mypy reads the stubs of the core that `all` leaves in build/stubs.
+lint: all build/.lint
 	find native tests -name '*.h' -o -name '*.cpp' | xargs .venv-lint/bin/clang-format --dry-run -Werror
 	.venv-lint/bin/ruff check .
 	.venv-lint/bin/ruff format --check .

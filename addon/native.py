@@ -4,6 +4,9 @@
 from . import native
 native.TriangleMesh(vertices, triangles)    # loads the core on first use
 native.check()                              # raises NativeError when it cannot be used
+
+Type checkers see the core by its stubs. Modules that name its classes in annotations begin with
+`from __future__ import annotations`: an annotation that is evaluated would load the core.
 """
 
 import importlib
@@ -11,9 +14,13 @@ import importlib.util
 import sys
 from functools import cache
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING
 
+from .model import errors
 from .version import VERSION
+
+if TYPE_CHECKING:
+    from stormfield_native import *  # noqa: F403
 
 MODULE = "stormfield_native"
 
@@ -41,6 +48,7 @@ def load() -> ModuleType:
             f"The compiled core is version {found}, Stormfield is version {VERSION}: "
             "install both from the same package, and restart"
         )
+    module.set_input_error(errors.InputError)
     return module
 
 
@@ -49,10 +57,12 @@ def check() -> None:
     load()
 
 
-def __getattr__(name: str) -> Any:
-    if name.startswith("__"):
-        raise AttributeError(name)
-    return getattr(load(), name)
+if not TYPE_CHECKING:
+
+    def __getattr__(name):
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(load(), name)
 
 
 def _import_blender_first() -> None:

@@ -7,15 +7,15 @@ solution = job.result()             # raises InputError, SolverError or Cancelle
 solution.fields["orientation"].at(0.3)
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from . import native
-from .model.design import FIELDS, Design, Element
-from .model.errors import InputError
+from .model.design import FIELDS, Design, Element, FieldName
 from .model.mesh_data import MeshData
 
 
@@ -24,10 +24,10 @@ class Solution:
     """The solved fields of one mesh: native ParameterizedField by name, samples at `lambdas` (s,)."""
 
     lambdas: np.ndarray
-    fields: Mapping[str, Any]
+    fields: Mapping[FieldName, native.ParameterizedField]
     fingerprint: str  #: of the mesh
     notes: tuple[str, ...] = ()  #: what the artist should know: components of the mesh without field
-    iterations: Mapping[str, int] | None = None
+    iterations: Mapping[FieldName, int] | None = None
 
 
 class SolverState:
@@ -38,8 +38,8 @@ class SolverState:
     """
 
     def __init__(self) -> None:
-        self._native: Any = None
-        self._mesh: Any = None
+        self._native: native.SolverMemory | None = None
+        self._mesh: native.TriangleMesh | None = None
         self._fingerprint = ""
 
     def holds(self, mesh: MeshData) -> bool:
@@ -50,9 +50,9 @@ class SolverState:
         """Give the memory back."""
         self._native = self._mesh = None
 
-    def of(self, mesh: MeshData) -> tuple[Any, Any]:
+    def of(self, mesh: MeshData) -> tuple[native.TriangleMesh, native.SolverMemory]:
         """The native mesh and state for a solve on `mesh`, new ones where this state is of another mesh."""
-        if not self.holds(mesh):
+        if self._native is None or self._mesh is None or not self.holds(mesh):
             self._native = native.SolverMemory()
             self._mesh = native.TriangleMesh(mesh.vertices, mesh.triangles)
             self._fingerprint = mesh.fingerprint()
@@ -67,15 +67,12 @@ class SolveJob:
         self._fingerprint = mesh.fingerprint()
         self._solves = _distinct(design)
         native.check()
-        try:
-            surface, kept = (state or SolverState()).of(mesh)
-            lists = [[_native_element(element) for element in elements] for _, elements in self._solves]
-            for elements in lists:
-                native.check_elements(elements)
-        except native.InputError as fault:
-            raise InputError(str(fault)) from fault
+        surface, kept = (state or SolverState()).of(mesh)
+        lists = [[_native_element(element) for element in elements] for _, elements in self._solves]
+        for elements in lists:
+            native.check_elements(elements)
         self._mesh = surface
-        self._job = native.start_solve(
+        self._job = native.start_solve_design(
             surface,
             lists,
             samples=design.settings.samples,
@@ -102,11 +99,10 @@ class SolveJob:
 
     def result(self) -> Solution:
         """Waits. Raises InputError for a fault of the design, native.SolverError, native.Cancelled."""
-        try:
-            solved = self._job.result()
-        except native.InputError as fault:
-            raise InputError(str(fault)) from fault
-        fields, iterations, notes = {}, {}, []
+        solved = self._job.result()
+        fields: dict[FieldName, native.ParameterizedField] = {}
+        iterations: dict[FieldName, int] = {}
+        notes: list[str] = []
         for (names, _), result in zip(self._solves, solved, strict=True):
             for name in names:
                 fields[name] = result.field
@@ -124,7 +120,12 @@ def start_solve(mesh: MeshData, design: Design, state: SolverState | None = None
     return SolveJob(mesh, design, state)
 
 
-Solve = tuple[tuple[str, ...], tuple[Element, ...]]
+def solve(mesh: MeshData, design: Design, state: SolverState | None = None) -> Solution:
+    """start_solve that waits. Raises InputError for a fault of the mesh or design, and native.SolverError."""
+    return start_solve(mesh, design, state).result()
+
+
+Solve = tuple[tuple[FieldName, ...], tuple[Element, ...]]
 
 
 def _distinct(design: Design) -> list[Solve]:
@@ -139,7 +140,7 @@ def _distinct(design: Design) -> list[Solve]:
     return [((name,), elements) for name, elements in acting.items()]
 
 
-def _native_element(element: Element):
+def _native_element(element: Element) -> native.DesignElement:
     return native.DesignElement(
         element.name,
         element.type,
@@ -154,7 +155,7 @@ def _native_element(element: Element):
     )
 
 
-def _notes(mesh, names: tuple[str, ...], components: list[int]) -> list[str]:
+def _notes(mesh: native.TriangleMesh, names: tuple[str, ...], components: list[int]) -> list[str]:
     """Components that no element reaches: their field is zero."""
     notes = []
     for component in components:

@@ -13,12 +13,31 @@ throw it into the generator, and continue for the result.
 import time
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Protocol, TypeVar
 
 #: Seconds that run() sleeps at a step of waiting work.
 POLL = 0.02
 
 Result = TypeVar("Result")
+Result_co = TypeVar("Result_co", covariant=True)
+
+
+class Job(Protocol[Result_co]):
+    """Work on the core's threads, as every start_... function of the core returns it."""
+
+    @property
+    def fraction(self) -> float:
+        """Fraction of the work that is done, 0..1."""
+
+    @property
+    def done(self) -> bool:
+        """Whether the work has ended, by itself or not."""
+
+    def cancel(self) -> None:
+        """Asks the work to stop; it does within 0.1 s."""
+
+    def result(self) -> Result_co:
+        """Waits; raises what the work raised."""
 
 
 @dataclass(frozen=True)
@@ -68,10 +87,10 @@ def scaled(steps: Steps[Result], start: float, end: float) -> Steps[Result]:
 
 
 #: Jobs that were cancelled and have not ended yet: dropping one would wait for it.
-_ending: list[Any] = []
+_ending: list[Job[object]] = []
 
 
-def result_of(job: Any, start: float, message: str, end: float = 1.0) -> Steps[Any]:
+def result_of(job: Job[Result], start: float, message: str, end: float = 1.0) -> Steps[Result]:
     """Waits for a job on the core's threads and returns its result. start, end: its range in the steps' fractions.
 
     Closing the generator cancels the job and does not wait until it has ended. After Stop the result is what the job

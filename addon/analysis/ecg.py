@@ -6,17 +6,20 @@ graph = entity_graph(topology, lam=0.5)             # fixed points first, then p
 content = topology_json(topology, graph)            # fixed_points, periodic_orbits, separatrices, links, index_sum ...
 """
 
+from __future__ import annotations
+
 from collections import Counter
-from typing import Any
 
 import numpy as np
 
-from .entities import Entity, EntityGraph, Link, Row
+from .. import native
+from ..model.words import Json
+from .entities import Entity, EntityGraph, EntityKind, Link, Row
 
 TITLE = "Entity connection graph"
 
 #: Row and first letter of the name by kind. A center and a point without a kind of its own stand with the saddles.
-ROWS: dict[str, tuple[Row, str]] = {
+ROWS: dict[EntityKind, tuple[Row, str]] = {
     "source": ("repelling", "R"),
     "repelling": ("repelling", "R"),
     "sink": ("attracting", "A"),
@@ -27,7 +30,7 @@ ROWS: dict[str, tuple[Row, str]] = {
 }
 
 
-def entity_graph(topology: Any, lam: float = 0.0) -> EntityGraph:
+def entity_graph(topology: native.Topology, lam: float = 0.0) -> EntityGraph:
     """Entity i is fixed point i; the periodic orbits follow. Links carry their separatrices in the flow's direction.
 
     topology: native Topology. Strength in 1/s: of a fixed point the square root of |det J|, of an orbit the rate
@@ -36,31 +39,36 @@ def entity_graph(topology: Any, lam: float = 0.0) -> EntityGraph:
     count: Counter[str] = Counter()
     entities: list[Entity] = []
 
-    def add(kind: str, **rest: Any) -> None:
+    def named(kind: EntityKind) -> tuple[int, str, EntityKind, Row]:
+        """The first members of the next entity."""
         row, letter = ROWS[kind]
         count[letter] += 1
-        entities.append(Entity(id=len(entities), name=f"{letter}{count[letter]}", kind=kind, row=row, **rest))
+        return len(entities), f"{letter}{count[letter]}", kind, row
 
     for point in topology.fixed_points:
-        add(
-            point.kind,
-            position=np.asarray(point.position),
-            strength=float(np.sqrt(abs(np.linalg.det(point.jacobian)))),
-            info={"index": int(point.index), "rotation": float(point.rotation), "face": int(point.face)},
+        entities.append(
+            Entity(
+                *named(point.kind),
+                position=np.asarray(point.position),
+                strength=float(np.sqrt(abs(np.linalg.det(point.jacobian)))),
+                info={"index": int(point.index), "rotation": float(point.rotation), "face": int(point.face)},
+            )
         )
     for orbit in topology.periodic_orbits:
         curve = np.asarray(orbit.points)
-        add(
-            orbit.kind,
-            position=curve[0],
-            curve=curve,
-            strength=_rate(orbit.multiplier, orbit.period),
-            info={
-                "length": float(orbit.length),
-                "period": float(orbit.period),
-                "multiplier": float(orbit.multiplier),
-                "band": bool(orbit.band),
-            },
+        entities.append(
+            Entity(
+                *named(orbit.kind),
+                position=curve[0],
+                curve=curve,
+                strength=_rate(orbit.multiplier, orbit.period),
+                info={
+                    "length": float(orbit.length),
+                    "period": float(orbit.period),
+                    "multiplier": float(orbit.multiplier),
+                    "band": bool(orbit.band),
+                },
+            )
         )
     curves = [_with_flow(separatrix) for separatrix in topology.separatrices]
     links = tuple(
@@ -70,7 +78,7 @@ def entity_graph(topology: Any, lam: float = 0.0) -> EntityGraph:
     return EntityGraph(TITLE, tuple(entities), links, lam)
 
 
-def topology_json(topology: Any, graph: EntityGraph) -> dict[str, Any]:
+def topology_json(topology: native.Topology, graph: EntityGraph) -> dict[str, Json]:
     """The entities and links of `stormfield analyze` (docs/formats.md). Links name the places of their ends in
     entities: the fixed points, then the periodic orbits."""
     points, orbits = topology.fixed_points, topology.periodic_orbits
@@ -100,7 +108,7 @@ def topology_json(topology: Any, graph: EntityGraph) -> dict[str, Any]:
     }
 
 
-def _number(topology: Any, entity: tuple[str, int | None]) -> int:
+def _number(topology: native.Topology, entity: tuple[str, int | None]) -> int:
     """Place among the entities."""
     kind, index = entity
     assert index is not None
@@ -111,16 +119,16 @@ def _rate(multiplier: float, period: float) -> float:
     return abs(float(np.log(max(multiplier, 1e-300)))) / period if period > 0.0 else 0.0
 
 
-def _with_flow(separatrix: Any) -> np.ndarray:
+def _with_flow(separatrix: native.Separatrix) -> np.ndarray:
     points = np.asarray(separatrix.points)
     return points if separatrix.outgoing else points[::-1]
 
 
-def _floats(array: Any) -> list[Any]:
+def _floats(array: np.ndarray) -> Json:
     return np.asarray(array, np.float64).tolist()
 
 
-def _fixed_point(point: Any, name: str) -> dict[str, Any]:
+def _fixed_point(point: native.FixedPoint, name: str) -> dict[str, Json]:
     return {
         "name": name,
         "position": _floats(point.position),
@@ -139,7 +147,7 @@ def _fixed_point(point: Any, name: str) -> dict[str, Any]:
     }
 
 
-def _orbit(orbit: Any, name: str) -> dict[str, Any]:
+def _orbit(orbit: native.PeriodicOrbit, name: str) -> dict[str, Json]:
     return {
         "name": name,
         "kind": str(orbit.kind),
@@ -151,7 +159,7 @@ def _orbit(orbit: Any, name: str) -> dict[str, Any]:
     }
 
 
-def _separatrix(topology: Any, separatrix: Any, names: list[str]) -> dict[str, Any]:
+def _separatrix(topology: native.Topology, separatrix: native.Separatrix, names: list[str]) -> dict[str, Json]:
     kind, index = separatrix.end
     place = None if index is None else _number(topology, separatrix.end)
     return {

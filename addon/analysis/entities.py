@@ -7,11 +7,14 @@ layout, editor, list, selection, picture and export exist once.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
+from ..model.words import FixedPointKind, Json, MorseKind, OrbitKind
+
 Row = Literal["repelling", "saddle", "attracting"]
+EntityKind = FixedPointKind | OrbitKind | MorseKind
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,13 +23,13 @@ class Entity:
 
     id: int  #: place in EntityGraph.entities
     name: str  #: short and unique: "S3" saddle, "R1" source or repelling, "A2" sink or attracting, "C4" center, ...
-    kind: str  #: lower-case word: source sink saddle center degenerate attracting repelling trivial other ...
+    kind: EntityKind
     row: Row  #: row of the three-row layout (thesis 3.2)
     position: np.ndarray  #: (3,) where a marker or label goes
     curve: np.ndarray | None = None  #: (k, 3) polyline of an orbit, closed orbits repeat their first point
     strength: float = 0.0  #: how much it matters: see the module that made it; 1/s for fixed points
     faces: np.ndarray | None = None  #: (k,) int32 faces of a Morse set
-    info: Mapping[str, Any] = field(default_factory=dict)  #: more to show and export: plain JSON values
+    info: Mapping[str, Json] = field(default_factory=dict)  #: more to show and export: plain JSON values
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,11 @@ Streamlines and pathlines grow: their points carry the time at which the particl
 change their shape: there is one set of curves for each frame.
 """
 
+from __future__ import annotations
+
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -57,7 +58,7 @@ def flow_curve_steps(
     mesh: MeshData,
     lambdas: Sequence[float],
     read_sample: Callable[[int], np.ndarray],
-    seeds_of: Callable[[Any], Seeds],
+    seeds_of: Callable[[native.TriangleMesh], Seeds],
     settings: Settings,
 ) -> Steps[FlowCurves]:
     """read_sample(j): (n, 3) at the vertices for lambdas[j]; seeds_of(surface): the seeds, on the native mesh."""
@@ -80,7 +81,7 @@ def flow_curve_steps(
 class _PointAttributes:
     """What the points of curves carry."""
 
-    def __init__(self, surface: Any, lambdas: np.ndarray, vectors: np.ndarray, settings: Settings):
+    def __init__(self, surface: native.TriangleMesh, lambdas: np.ndarray, vectors: np.ndarray, settings: Settings):
         self.surface, self.lambdas, self.vectors, self.settings = surface, lambdas, vectors, settings
         self.times = np.asarray(settings.frames, np.float64) / settings.frames_per_second
         self.track = np.asarray(settings.lambdas, np.float64)
@@ -103,7 +104,7 @@ class _PointAttributes:
         return abs(self.settings.speed) * np.linalg.norm((1.0 - fraction) * at[0] + fraction * at[1], axis=1)
 
 
-def _growing(view: _PointAttributes, field: Any, seeds: Seeds) -> Steps[FlowCurves]:
+def _growing(view: _PointAttributes, field: native.ParameterizedField, seeds: Seeds) -> Steps[FlowCurves]:
     settings, begin = view.settings, view.times[0]
     duration = view.times[-1] - begin
     track = (view.times, view.track)
@@ -130,7 +131,7 @@ def _growing(view: _PointAttributes, field: Any, seeds: Seeds) -> Steps[FlowCurv
     return FlowCurves(curves, attributes, {"seed": np.arange(len(curves), dtype=np.int32)}, view.radius)
 
 
-def _by_frame(view: _PointAttributes, field: Any, seeds: Seeds) -> Steps[FlowCurves]:
+def _by_frame(view: _PointAttributes, field: native.ParameterizedField, seeds: Seeds) -> Steps[FlowCurves]:
     settings, begin = view.settings, view.times[0]
     spacing = settings.spacing * view.surface.size
     common = (field, view.times, view.track)

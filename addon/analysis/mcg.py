@@ -7,17 +7,20 @@ graph = morse_graph(decomposition, mesh, lam=0.5)           # entity i is decomp
 simpler = morse_graph(decomposition.simplify(eps), mesh, lam=0.5)   # geometry method: what survives errors up to eps
 """
 
+from __future__ import annotations
+
 import math
-from typing import Any
 
 import numpy as np
 
+from .. import native
+from ..model.words import Json
 from .entities import Entity, EntityGraph, Link, Row
 
 TITLE = "Morse connection graph"
 
 
-def morse_graph(decomposition: Any, mesh: Any, lam: float = 0.0) -> EntityGraph:
+def morse_graph(decomposition: native.MorseDecomposition, mesh: native.TriangleMesh, lam: float = 0.0) -> EntityGraph:
     """Entities in the order of decomposition.sets, links as decomposition.edges: from repelling to attracting.
 
     decomposition, mesh: native MorseDecomposition and the TriangleMesh it was made on. Each entity has its faces, its
@@ -58,7 +61,7 @@ def morse_graph(decomposition: Any, mesh: Any, lam: float = 0.0) -> EntityGraph:
     return EntityGraph(TITLE, tuple(entities), links, lam)
 
 
-def row_of(morse_set: Any) -> Row:
+def row_of(morse_set: native.MorseSet) -> Row:
     """Thesis 2.3.2: sink-like with b0, else source-like with b2, else saddle-like."""
     b0, _, b2 = morse_set.conley
     if b0 > 0:
@@ -66,14 +69,14 @@ def row_of(morse_set: Any) -> Row:
     return "repelling" if b2 > 0 else "saddle"
 
 
-def letter_of(morse_set: Any) -> str:
+def letter_of(morse_set: native.MorseSet) -> str:
     """A, R or S by row; T for a trivial index."""
     if morse_set.kind == "trivial":
         return "T"
     return {"attracting": "A", "repelling": "R", "saddle": "S"}[row_of(morse_set)]
 
 
-def morse_json(decomposition: Any, graph: EntityGraph) -> dict[str, Any]:
+def morse_json(decomposition: native.MorseDecomposition, graph: EntityGraph) -> dict[str, Json]:
     """morse_sets, edges and map_edges of `stormfield morse` (docs/formats.md)."""
     return {
         "method": str(decomposition.method),

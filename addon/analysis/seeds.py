@@ -5,10 +5,11 @@ Blender here.
 `surface` is a native TriangleMesh; seeds are (faces (k,) int32, barycentric (k, 3) float64).
 """
 
-from typing import Any
+from __future__ import annotations
 
 import numpy as np
 
+from .. import native
 from ..model.errors import InputError
 
 Seeds = tuple[np.ndarray, np.ndarray]
@@ -17,7 +18,7 @@ Seeds = tuple[np.ndarray, np.ndarray]
 CANDIDATES, MAX_EVEN = 12, 3000
 
 
-def even_seeds(surface: Any, count: int, seed: int = 0) -> Seeds:
+def even_seeds(surface: native.TriangleMesh, count: int, seed: int = 0) -> Seeds:
     """`count` random points, each as far as it can be from those before (up to MAX_EVEN; further ones are random)."""
     random = np.random.default_rng(seed)
     areas = surface.face_areas
@@ -36,7 +37,7 @@ def even_seeds(surface: Any, count: int, seed: int = 0) -> Seeds:
     return faces[chosen], barycentric[chosen]
 
 
-def vertex_seeds(surface: Any, vertices: np.ndarray) -> Seeds:
+def vertex_seeds(surface: native.TriangleMesh, vertices: np.ndarray) -> Seeds:
     """The given vertices. Raises InputError for one that no face uses."""
     corner = np.full(len(surface.vertices), -1, np.int64)
     flat = surface.triangles.ravel()
@@ -49,7 +50,7 @@ def vertex_seeds(surface: Any, vertices: np.ndarray) -> Seeds:
     return (found // 3).astype(np.int32), barycentric
 
 
-def rings(surface: Any, seeds: Seeds, radius: float, count: int = 24) -> list[Seeds]:
+def rings(surface: native.TriangleMesh, seeds: Seeds, radius: float, count: int = 24) -> list[Seeds]:
     """A closed curve on the surface around each seed: a circle in its face's plane, projected to the closest points."""
     centers = surface.positions(*seeds)
     faces = seeds[0]
@@ -65,7 +66,7 @@ def rings(surface: Any, seeds: Seeds, radius: float, count: int = 24) -> list[Se
     return [(found[ring], barycentric[ring]) for ring in around]
 
 
-def normals_at(surface: Any, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
+def normals_at(surface: native.TriangleMesh, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
     """(k, 3) unit vectors: the vertices' normals, linear between them."""
     normals = (surface.normals[surface.triangles[faces]] * barycentric[:, :, None]).sum(axis=1)
     return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)

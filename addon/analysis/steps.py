@@ -8,8 +8,10 @@
 Closing a generator stops the work within 0.1 s. Stop (work.py) ends a refinement with the rounds that are complete.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from ..cache.field_cache import FieldCache
 from ..cache.fields import native_mesh
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
+from ..model.words import MorseOptions
 from ..work import Step, Steps, result_of
 from . import ecg, mcg, tracking
 from .entities import EntityGraph
@@ -60,19 +63,19 @@ def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str, persistenc
 class MorseSets:
     """A Morse decomposition with what further steps need. Never saved: the core's own objects."""
 
-    decomposition: Any
-    surface: Any  #: native TriangleMesh
-    field: Any  #: native VectorField
+    decomposition: native.MorseDecomposition
+    surface: native.TriangleMesh
+    field: native.VectorField
     mean_speed: float  #: mesh units per second, the unit of relative errors
     graph: EntityGraph
 
-    def simplified(self, error: float) -> "MorseSets":
+    def simplified(self, error: float) -> MorseSets:
         """What holds for every field that differs by up to `error` mean speeds (method geometry only)."""
         simpler = self.decomposition.simplify(error * self.mean_speed)
         return replace(self, decomposition=simpler, graph=mcg.morse_graph(simpler, self.surface, self.graph.lam))
 
 
-def morse_steps(mesh: MeshData, values: np.ndarray, lam: float, **options: Any) -> Steps[MorseSets]:
+def morse_steps(mesh: MeshData, values: np.ndarray, lam: float, **options: Unpack[MorseOptions]) -> Steps[MorseSets]:
     """Morse sets of one instantaneous field; options as of native.start_morse."""
     surface, field = yield from field_steps(mesh, values)
     check_moves(values, "there is nothing to divide")
@@ -95,19 +98,23 @@ def check_moves(values: np.ndarray, so: str) -> None:
         raise InputError(f"the field is zero everywhere; {so}")
 
 
-def surface_steps(mesh: MeshData) -> Steps[Any]:
+def surface_steps(mesh: MeshData) -> Steps[native.TriangleMesh]:
     """The core's mesh, built on its own threads. Raises InputError for a mesh that is no surface."""
-    return (yield from result_of(native.start_mesh(mesh.vertices, mesh.triangles), 0.0, "Reading the mesh", READ_ONE))
+    return (
+        yield from result_of(
+            native.start_triangle_mesh(mesh.vertices, mesh.triangles), 0.0, "Reading the mesh", READ_ONE
+        )
+    )
 
 
-def field_steps(mesh: MeshData, values: np.ndarray) -> Steps[tuple[Any, Any]]:
+def field_steps(mesh: MeshData, values: np.ndarray) -> Steps[tuple[native.TriangleMesh, native.VectorField]]:
     """As native_field, in steps."""
     _check_finite(values)
     surface = yield from surface_steps(mesh)
     return surface, native.VectorField.from_space(surface, values)
 
 
-def native_field(mesh: MeshData, values: np.ndarray) -> tuple[Any, Any]:
+def native_field(mesh: MeshData, values: np.ndarray) -> tuple[native.TriangleMesh, native.VectorField]:
     """The core's mesh and field. Raises InputError for a mesh that is no surface, and values that are not finite."""
     _check_finite(values)
     surface = native_mesh(mesh)

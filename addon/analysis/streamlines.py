@@ -5,8 +5,9 @@ drawing = run(streamline_steps(mesh, values, Settings(density=0.02)))
 drawing.curves[i], drawing.radii[i], drawing.attributes["speed"][i]
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -57,7 +58,9 @@ def streamline_steps(mesh: MeshData, values: np.ndarray, settings: Settings) -> 
     return drawing_of(lines, surface, distance, settings)
 
 
-def drawing_of(lines: Any, surface: Any, distance: float, settings: Settings) -> StreamlineDrawing:
+def drawing_of(
+    lines: native.EvenStreamlines, surface: native.TriangleMesh, distance: float, settings: Settings
+) -> StreamlineDrawing:
     """lines: native EvenStreamlines on `surface`, a native TriangleMesh. distance: between lines, mesh units."""
     radius = 0.5 * settings.width * distance
     normals = normals_at(surface, lines.faces, lines.barycentric)
@@ -103,7 +106,7 @@ def drawing_of(lines: Any, surface: Any, distance: float, settings: Settings) ->
     )
 
 
-def _heads(lines: Any, every: float) -> tuple[np.ndarray, np.ndarray]:
+def _heads(lines: native.EvenStreamlines, every: float) -> tuple[np.ndarray, np.ndarray]:
     """The points that carry a head, evenly along each line and at least one on long ones, and the points after them."""
     chosen = []
     for begin, end in zip(lines.offsets[:-1], lines.offsets[1:], strict=True):

@@ -10,13 +10,15 @@ A path never breaks: it begins at the first λ, at the mesh boundary or by a cre
 boundary or by an annihilation. No Blender here.
 """
 
-from collections.abc import Sequence
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from .. import native
+from ..model.words import FixedPointKind, Json
 
 Begin = Literal["first", "boundary", "creation"]
 End = Literal["last", "boundary", "annihilation"]
@@ -24,7 +26,7 @@ End = Literal["last", "boundary", "annihilation"]
 #: Shortest life shown by default: shorter paths come and go within half a percent of λ.
 MIN_LIFE = 0.005
 #: First letters of names, as in the entity connection graph.
-LETTERS = {"source": "R", "sink": "A", "saddle": "S", "center": "C", "degenerate": "D"}
+LETTERS: dict[FixedPointKind, str] = {"source": "R", "sink": "A", "saddle": "S", "center": "C", "degenerate": "D"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,13 +35,13 @@ class TrackedPath:
 
     id: int  #: place in Tracking.paths
     name: str  #: short and unique: "S3" saddle, "R1" source, "A2" sink, "C4" center; numbered from 1 over all paths
-    kind: str  #: source sink saddle center degenerate: what it is for the longest part of its life
+    kind: FixedPointKind  #: what it is for the longest part of its life
     index: int  #: Poincaré index, +1 or -1, the same all along
     lambdas: np.ndarray  #: (k,) float64
     positions: np.ndarray  #: (k, 3) float64
     faces: np.ndarray  #: (k,) int32, triangle that holds the sample
     barycentric: np.ndarray  #: (k, 3) float64
-    kinds: tuple[str, ...]  #: (k,) kind at each sample
+    kinds: tuple[FixedPointKind, ...]  #: (k,) kind at each sample
     begin: Begin
     end: End
     strength: float  #: mean of sqrt|det J| over its life, 1/s
@@ -80,7 +82,7 @@ class Bifurcation:
     lam: float
     position: np.ndarray  #: (3,) float64
     kind: Literal["creation", "annihilation", "hopf"]
-    node: str  #: creation, annihilation: source or sink that meets the saddle; hopf: what the path becomes
+    node: FixedPointKind  #: creation, annihilation: source or sink that meets the saddle; hopf: what the path becomes
     paths: tuple[int, ...]  #: creation, annihilation: node's path, saddle's path; hopf: one
 
     @property
@@ -103,17 +105,17 @@ class Tracking:
         return tuple(path for path in self.paths if path.first <= lam <= path.last)
 
 
-def track(field: Any, min_life: float = 0.0, min_strength: float = 0.0) -> Tracking:
+def track(field: native.ParameterizedField, min_life: float = 0.0, min_strength: float = 0.0) -> Tracking:
     """Follows every fixed point of a native ParameterizedField; waits for it. See from_native for the filter."""
     return from_native(start(field).result(), min_life, min_strength)
 
 
-def start(field: Any) -> Any:
+def start(field: native.ParameterizedField) -> native.TrackingJob:
     """The same on a thread of its own: a native TrackingJob (fraction, done, wait, cancel, result)."""
     return native.start_tracking(field)
 
 
-def from_native(tracking: Any, min_life: float = 0.0, min_strength: float = 0.0) -> Tracking:
+def from_native(tracking: native.Tracking, min_life: float = 0.0, min_strength: float = 0.0) -> Tracking:
     """A native Tracking as plain data, without what lives shorter than min_life (fraction of λ) or is weaker (1/s).
 
     Short paths go in pairs, and folds become one path: the sum of indices stays, and every end is still classified.
@@ -131,7 +133,7 @@ def from_native(tracking: Any, min_life: float = 0.0, min_strength: float = 0.0)
     )
 
 
-def _path(i: int, path: Any) -> TrackedPath:
+def _path(i: int, path: native.TrackedPath) -> TrackedPath:
     return TrackedPath(
         id=i,
         name=f"{LETTERS[path.kind]}{i + 1}",
@@ -149,7 +151,7 @@ def _path(i: int, path: Any) -> TrackedPath:
     )
 
 
-def to_json(tracking: Tracking) -> dict[str, Sequence[Any]]:
+def to_json(tracking: Tracking) -> dict[str, Json]:
     """The paths and bifurcations of `stormfield track` as plain JSON values (docs/formats.md)."""
     return {
         "paths": [

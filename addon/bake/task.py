@@ -3,12 +3,17 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 from ..cache.fields import ADVECTION
+from ..model.design import FieldName
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
+from ..model.words import FlowMapBasis, MorseMethod, MorseOptions
+
+#: What a bake can write, by the words of the command line.
+TargetName = Literal["usd", "exr", "vdb", "morse"]
 
 
 @dataclass(frozen=True)
@@ -25,8 +30,8 @@ class ExrSettings:
 
     uv_layer: str = ""  #: empty: the only or first layer
     resolution: int = 1024  #: width and height, pixels
-    field: str = "advection"  #: or "orientation"
-    basis: str = "uv"  #: "uv": velocity of the UV coordinates and speed; "object": the vector itself
+    field: FieldName = "advection"
+    basis: FlowMapBasis = "uv"  #: "uv": velocity of the UV coordinates and speed; "object": the vector itself
     half: bool = False  #: 16 instead of 32 bit floats
     margin: int = 8  #: pixels around each island
 
@@ -44,11 +49,11 @@ class MorseSettings:
     """How the Morse sets over λ are found (targets/morse.py): native.start_morse explains the options."""
 
     attribute: str = ADVECTION
-    method: str = "geometry"
+    method: MorseMethod = "geometry"
     tau: float | None = None  #: seconds, or mesh units for "spatial"; None: found from mesh and field
     eps: float = 0.0  #: mean speeds
 
-    def options(self) -> dict[str, Any]:
+    def options(self) -> MorseOptions:
         """Of native.start_morse."""
         return {"method": self.method, "tau": self.tau, "eps": self.eps, "relative": True}
 
@@ -64,7 +69,7 @@ class BakeTask:
     lambdas: tuple[float, ...]
     root: Path
     frames_per_second: float = 24.0
-    targets: frozenset[str] = frozenset({"usd"})
+    targets: frozenset[TargetName] = frozenset({"usd"})
     only: frozenset[int] | None = None
     polygons: Polygons | None = None
     flow: FlowSettings = field(default_factory=FlowSettings)
@@ -93,7 +98,7 @@ class BakeResult:
     """Folders of what was written by target; `whole` is false while frames of other machines are missing; `cache` is
     the λ cache it was made from, which may be another one than the task's."""
 
-    folders: dict[str, Path]
+    folders: dict[TargetName, Path]
     remarks: tuple[str, ...] = ()
     whole: bool = True
     cache: Path | None = None

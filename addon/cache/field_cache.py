@@ -19,13 +19,13 @@ import itertools
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
+from ..model.words import Json
 from . import usd
 from .layout import CLIPS, MANIFEST, MESH, STAGE
 from .manifest import Manifest, read_manifest
@@ -44,7 +44,7 @@ class _Writer:
         mesh: MeshData,
         axis: str,
         times: Sequence[float],
-        settings: Mapping[str, Any],
+        settings: Mapping[str, Json],
         *,
         polygons: Polygons | None,
         resume: bool,
@@ -118,7 +118,7 @@ class FieldCacheWriter(_Writer):
         folder: str | os.PathLike,
         mesh: MeshData,
         lambdas: Sequence[float],
-        settings: Mapping[str, Any],
+        settings: Mapping[str, Json],
         *,
         polygons: Polygons | None = None,
         resume: bool = False,
@@ -141,7 +141,7 @@ class FrameCacheWriter(_Writer):
         folder: str | os.PathLike,
         mesh: MeshData,
         frames: Sequence[int],
-        settings: Mapping[str, Any],
+        settings: Mapping[str, Json],
         *,
         polygons: Polygons | None = None,
         resume: bool = False,
@@ -160,7 +160,7 @@ class FieldCache:
         self._mesh: MeshData | None = None
 
     @property
-    def settings(self) -> Mapping[str, Any]:
+    def settings(self) -> Mapping[str, Json]:
         return self.manifest.plan.settings
 
     @property

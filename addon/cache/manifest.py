@@ -8,9 +8,9 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from ..model.errors import InputError
+from ..model.words import Json
 from .layout import CLIPS, MESH, STAGE
 from .plan import NAME, SCHEMA, VERSION, Plan
 
@@ -42,7 +42,7 @@ def _is_known(name: str) -> bool:
     return name in SHARED or NAME.fullmatch(name) is not None
 
 
-def _load(path: Path) -> dict[str, Any]:
+def _load(path: Path) -> dict[str, Json]:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -65,7 +65,7 @@ def _load(path: Path) -> dict[str, Any]:
     return data
 
 
-def _plan(data: dict[str, Any], path: Path) -> Plan:
+def _plan(data: dict[str, Json], path: Path) -> Plan:
     try:
         return Plan.from_json(data)
     except (KeyError, TypeError) as error:

@@ -14,9 +14,9 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from ..model.mesh_data import MeshData
+from ..model.words import Json
 from .layout import TIME_CODES_PER_LAMBDA
 
 SCHEMA = "stormfield.cache"
@@ -49,7 +49,7 @@ class Plan:
     axis: str
     times: tuple[float, ...]
     mesh: MeshIdentity
-    settings: Mapping[str, Any]
+    settings: Mapping[str, Json]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -74,7 +74,7 @@ class Plan:
         """Whether both describe the same bake (settings as JSON sees them)."""
         return text(self) == text(other)
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Json]:
         return {
             "schema": f"{SCHEMA}/{VERSION}",
             "target": self.target,
@@ -86,7 +86,7 @@ class Plan:
         }
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> "Plan":
+    def from_json(cls, data: Mapping[str, Json]) -> "Plan":
         axis = data["axis"]
         times = data["lambdas"] if axis == "lambda" else data["frames"]
         return cls(data["target"], axis, tuple(times), MeshIdentity(**data["mesh"]), data["settings"])

@@ -6,13 +6,15 @@ the other sign in the collar around them.
 By Stokes' theorem the mean over a face is the circulation around it over its area; a vertex has the mean of its faces.
 """
 
-from typing import Any
+from __future__ import annotations
 
 import numpy as np
 
+from .. import native
 
-def rotation(mesh: Any, vectors: np.ndarray) -> np.ndarray:
-    """(n,) of tangent vectors (n, 3) in space on a native TriangleMesh; 0 at vertices without faces."""
+
+def rotation(mesh: native.TriangleMesh, vectors: np.ndarray) -> np.ndarray:
+    """(n,) of tangent vectors (n, 3) in space; 0 at vertices without faces."""
     triangles = mesh.triangles
     corners, flow = mesh.vertices[triangles], vectors[triangles]
     circulation = np.zeros(len(triangles))

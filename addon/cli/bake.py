@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield bake SCENE.blend: the scene's bakes, as the add-on's own buttons would run them."""
 
+from __future__ import annotations
+
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,6 +15,11 @@ from ..model.errors import InputError
 from .blender import quiet
 from .group import cli
 from .progress import progress
+
+if TYPE_CHECKING:
+    from bpy.types import Object
+
+    from ..bake.task import TargetName
 
 
 @cli.command()
@@ -40,7 +48,9 @@ def bake(scene: str, targets: str, frames: str | None, resume: bool, solve_only:
             bpy.ops.wm.save_mainfile()
 
 
-def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | None, resume: bool) -> None:
+def _bake(
+    bpy: ModuleType, obj: Object, targets: frozenset[TargetName], only: frozenset[int] | None, resume: bool
+) -> None:
     from ..bake.job import bake_steps, check_task
     from ..bake.lambda_cache import solve_steps
     from ..scene.read import folders
@@ -69,15 +79,15 @@ def _bake(bpy: Any, obj: Any, targets: frozenset[str], only: frozenset[int] | No
         click.echo(f"note: {remark}", err=True)
 
 
-def _targets(text: str) -> frozenset[str]:
+def _targets(text: str) -> frozenset[TargetName]:
     from ..bake.targets import TARGETS
 
-    names = [name.strip() for name in text.split(",") if name.strip()]
-    unknown = [name for name in names if name not in TARGETS]
+    names = {name.strip() for name in text.split(",") if name.strip()}
+    unknown = sorted(names - set(TARGETS))
     if unknown or not names:
         wrong = unknown[0] if unknown else "nothing"
         raise InputError(f"--targets {text!r}: {wrong}; choose from {', '.join(TARGETS)}")
-    return frozenset(names)
+    return frozenset(target for target in TARGETS if target in names)
 
 
 def _frames(text: str | None) -> frozenset[int] | None:
@@ -93,7 +103,7 @@ def _frames(text: str | None) -> frozenset[int] | None:
     return frozenset(range(first, last + 1))
 
 
-def _blender() -> Any:
+def _blender() -> ModuleType:
     try:
         with quiet():
             import bpy
@@ -104,7 +114,7 @@ def _blender() -> Any:
     return bpy
 
 
-def _open(bpy: Any, path: Path) -> None:
+def _open(bpy: ModuleType, path: Path) -> None:
     from .. import register
 
     if not hasattr(bpy.types.Object, "stormfield"):

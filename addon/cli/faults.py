@@ -36,8 +36,6 @@ def _kind(fault: Exception) -> int | None:
         return USER_FAULT
     # Exceptions of the compiled core, known by their names: asking the core would load it.
     names = {cls.__name__ for cls in type(fault).__mro__ if cls.__module__ == "stormfield_native"}
-    if "InputError" in names:
-        return USER_FAULT
     if "Cancelled" in names:
         return CANCELLED
     return OUR_FAULT if "SolverError" in names else None

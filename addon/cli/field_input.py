@@ -6,13 +6,15 @@
 def analyze(given: FieldInput, ...): ...; given.draw(draw_analysis, ...); given.write("stormfield.x/1", {...})
 """
 
+from __future__ import annotations
+
 import functools
 from collections.abc import Callable
-from typing import Any
 
 import click
 
 from ..model.errors import InputError
+from ..model.words import Json
 from .blender import load_core
 from .output import Phases, describe_mesh, field_argument, write_json
 
@@ -20,7 +22,9 @@ from .output import Phases, describe_mesh, field_argument, write_json
 class FieldInput:
     """FIELD as its command gets it. Raises InputError before anything long begins where the picture cannot be made."""
 
-    def __init__(self, field: str, out: str, image: str | None, **reading: Any) -> None:
+    def __init__(
+        self, field: str, out: str, image: str | None, vector: str | None, sphere_faces: int | None, attribute: str
+    ) -> None:
         from .. import native
         from ..figures.image import check as check_image
         from ..readers import read_field
@@ -31,17 +35,17 @@ class FieldInput:
         self._out, self._image = out, image
         load_core()
         with self.phases("read"):
-            self.data = read_field(field, **reading)
+            self.data = read_field(field, vector=vector, sphere_faces=sphere_faces, attribute=attribute)
         with self.phases("mesh"):
-            self.mesh: Any = native.TriangleMesh(self.data.mesh.vertices, self.data.mesh.triangles)
+            self.mesh = native.TriangleMesh(self.data.mesh.vertices, self.data.mesh.triangles)
 
-    def draw(self, draw: Callable[..., None], *arguments: Any) -> None:
+    def draw(self, draw: Callable[..., None], *arguments: object) -> None:
         """draw(image, mesh, *arguments) where a picture is asked for."""
         if self._image is not None:
             with self.phases("image"):
                 draw(self._image, self.mesh, *arguments)
 
-    def write(self, schema: str, content: dict[str, Any], seconds: dict[str, float] | None = None) -> None:
+    def write(self, schema: str, content: dict[str, Json], seconds: dict[str, float] | None = None) -> None:
         """The JSON, with what all commands write."""
         spent = self.phases.seconds | (seconds or {})
         write_json(self._out, {"schema": schema, "mesh": describe_mesh(self.mesh), **content, "seconds": spent})
@@ -60,9 +64,9 @@ def field_command(picture: str) -> Callable[[Callable[..., None]], Callable[...,
             attribute: str,
             out: str,
             image: str | None,
-            **options: Any,
+            **options: object,
         ) -> None:
-            given = FieldInput(field, out, image, vector=vector, sphere_faces=sphere_faces, attribute=attribute)
+            given = FieldInput(field, out, image, vector, sphere_faces, attribute)
             command(given, **options)
 
         for option in (

@@ -2,6 +2,7 @@
 """stormfield info FIELD: what the mesh is."""
 
 import click
+import numpy as np
 
 from .blender import load_core
 from .group import cli
@@ -23,7 +24,7 @@ def info(field: str, vector: str | None, sphere_faces: int | None, out: str) -> 
             data = read_field(field, vector=vector, sphere_faces=sphere_faces)
             surface, lambdas = data.mesh, data.lambdas
         except NoFieldError:  # a mesh alone is worth describing too
-            surface, lambdas = read_mesh(field), ()
+            surface, lambdas = read_mesh(field), np.zeros(0)
     with phases("mesh"):
         mesh = native.TriangleMesh(surface.vertices, surface.triangles)
     write_json(

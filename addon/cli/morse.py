@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield morse FIELD: the Morse sets of the field at one λ, and their order."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import Unpack
 
 import click
 
+from ..model.words import MorseOptions
 from .field_input import FieldInput, field_command, lam_option
 from .group import cli
 from .progress import progress
@@ -38,8 +41,10 @@ from .progress import progress
     default=None,
     help="Find the eps at which each set merges with another.  [default: geometry without --refine]",
 )
-@click.option("--trivial/--no-trivial", default=True, help="Keep sets of trivial index.  [default: yes]")
-def morse(given: FieldInput, lam: float | None, **options: Any) -> None:
+@click.option(
+    "--trivial/--no-trivial", "keep_trivial", default=True, help="Keep sets of trivial index.  [default: yes]"
+)
+def morse(given: FieldInput, lam: float | None, **options: Unpack[MorseOptions]) -> None:
     """Divide the surface of FIELD into Morse sets and what flows between them."""
     from .. import native
     from ..analysis import mcg

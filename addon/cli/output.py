@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What every command shares: options, the description of a mesh, seconds by phase, JSON out."""
 
+from __future__ import annotations
+
 import json
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import click
 
+from .. import native
 from ..model.errors import InputError
+from ..model.words import Json
 
 
 def field_argument(command: Callable) -> Callable:
@@ -36,7 +39,7 @@ class Phases:
             self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - began
 
 
-def describe_mesh(mesh: Any) -> dict[str, int]:
+def describe_mesh(mesh: native.TriangleMesh) -> dict[str, int]:
     """A native mesh in the words of the command line."""
     return {
         "vertices": mesh.vertex_count,
@@ -47,7 +50,7 @@ def describe_mesh(mesh: Any) -> dict[str, int]:
     }
 
 
-def write_json(target: str, content: dict[str, Any]) -> None:
+def write_json(target: str, content: dict[str, Json]) -> None:
     """To a file, whole or not at all, or with - to standard output."""
     text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     if target == "-":

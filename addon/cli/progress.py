@@ -1,24 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Progress on standard error: a bar in a terminal, a line now and then elsewhere."""
 
+from __future__ import annotations
+
 import signal
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
-from typing import Any
+
+from ..work import Step
 
 #: Seconds between two lines where there is no terminal.
 QUIET = 5.0
 
 
 @contextmanager
-def progress(title: str) -> Iterator[Any]:
+def progress(title: str) -> Iterator[Callable[[Step], None]]:
     """Yields show(step) for steps (work.py). An interrupt stops the work at its next step."""
     with _interrupts() as stop_if_asked, _bar(title) if sys.stderr.isatty() else nullcontext(_Lines(title)) as show:
 
-        def show_or_stop(step) -> None:
+        def show_or_stop(step: Step) -> None:
             stop_if_asked()
             show(step)
 
@@ -52,7 +55,7 @@ def _interrupts() -> Iterator[Callable[[], None]]:
 
 
 @contextmanager
-def _bar(title: str) -> Iterator[Any]:
+def _bar(title: str) -> Iterator[Callable[[Step], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
@@ -60,7 +63,7 @@ def _bar(title: str) -> Iterator[Any]:
     with Progress(*columns, TextColumn("{task.fields[message]}"), console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=1.0, message="")
 
-        def show(step) -> None:
+        def show(step: Step) -> None:
             bar.update(task, completed=step.fraction, message=step.message)
             for note in step.notes:
                 bar.console.print(f"note: {note}", markup=False)
@@ -73,7 +76,7 @@ class _Lines:
         self._title = title
         self._printed = time.monotonic()
 
-    def __call__(self, step) -> None:
+    def __call__(self, step: Step) -> None:
         for note in step.notes:
             print(f"note: {note}", file=sys.stderr)
         if time.monotonic() - self._printed >= QUIET:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield solve DESIGN.json --out DIR: a design and its mesh → the λ cache."""
 
+from __future__ import annotations
+
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,6 +14,10 @@ from .blender import load_core
 from .group import cli
 from .output import Phases, describe_mesh, write_json
 from .progress import progress
+
+if TYPE_CHECKING:
+    from ..model.design import Design
+    from ..model.mesh_data import MeshData
 
 
 @cli.command()
@@ -45,7 +51,7 @@ def solve(design: str, out: str, resume: bool, report: str | None) -> None:
         write_json(report, content)
 
 
-def read_design(path: Path) -> tuple[Any, Any]:
+def read_design(path: Path) -> tuple[MeshData, Design]:
     """Mesh and design of a JSON file; a mesh file is looked for in its folder."""
     from ..model.design import Design
     from ..model.mesh_data import MeshData

@@ -7,9 +7,11 @@ The format follows the ending of the path (png, pdf, svg). Everything raises Inp
 ending is unknown or the file cannot be written.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +19,15 @@ from .. import native
 from ..analysis.colours import KIND_COLOURS
 from ..analysis.entities import EntityGraph
 from ..analysis.layout import layout
+from ..analysis.tracking import Tracking
 from ..model.errors import InputError
 from .surface_panel import SurfacePanel
 from .view import choose_views
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 #: Distance between streamlines, over the surface's size, and on a map, which is larger.
 DENSITY, MAP_DENSITY = 0.022, 0.013
@@ -42,10 +50,10 @@ POINTS = ("source", "sink", "saddle", "center", "degenerate")
 SETS = {"source": "repelling set", "sink": "attracting set", "saddle": "saddle-like set", "trivial": "trivial set"}
 
 
-def draw_analysis(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGraph) -> None:
+def draw_analysis(path: str | Path, mesh: native.TriangleMesh, vectors: np.ndarray, graph: EntityGraph) -> None:
     """The field with its fixed points, periodic orbits and separatrices, next to the entity connection graph.
 
-    mesh: native TriangleMesh. vectors: (n, 3) at its vertices, mesh units per second. graph: of the same field.
+    vectors: (n, 3) at its vertices, mesh units per second. graph: of the same field.
     """
     check(path)
     panels, figure, axis = _page(mesh, graph)
@@ -65,7 +73,9 @@ def draw_analysis(path: str | Path, mesh: Any, vectors: np.ndarray, graph: Entit
     _save(figure, path)
 
 
-def draw_morse(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGraph, face_sets: np.ndarray) -> None:
+def draw_morse(
+    path: str | Path, mesh: native.TriangleMesh, vectors: np.ndarray, graph: EntityGraph, face_sets: np.ndarray
+) -> None:
     """The field with its Morse sets as coloured faces, next to the Morse connection graph.
 
     face_sets: (m,) int32, per face the Morse set it belongs to (id in graph.entities), -1 for none.
@@ -89,10 +99,10 @@ def draw_morse(path: str | Path, mesh: Any, vectors: np.ndarray, graph: EntityGr
     _save(figure, path)
 
 
-def draw_tracking(path: str | Path, mesh: Any, tracking: Any) -> None:
+def draw_tracking(path: str | Path, mesh: native.TriangleMesh, tracking: Tracking) -> None:
     """The paths of the fixed points over λ, coloured by λ, with bifurcations, next to their life spans.
 
-    tracking: a Tracking (analysis/tracking.py), best filtered by persistence.
+    tracking: best filtered by persistence.
     """
     check(path)
     panels, figure, axis = _page(mesh, None)
@@ -136,7 +146,7 @@ def check(path: str | Path) -> None:
         raise InputError(f"{path}: the folder is missing; make it first")
 
 
-def _page(mesh: Any, graph: EntityGraph | None) -> tuple[list[SurfacePanel], Any, Any]:
+def _page(mesh: native.TriangleMesh, graph: EntityGraph | None) -> tuple[list[SurfacePanel], Figure, Axes]:
     """One panel per view and an axis for the graph, wide enough for its longest row."""
     from matplotlib.figure import Figure
 
@@ -150,17 +160,17 @@ def _page(mesh: Any, graph: EntityGraph | None) -> tuple[list[SurfacePanel], Any
     return panels, figure, axes[-1]
 
 
-def _streamlines(mesh: Any, vectors: np.ndarray, topology: bool) -> Any:
+def _streamlines(mesh: native.TriangleMesh, vectors: np.ndarray, topology: bool) -> native.EvenStreamlines:
     field = native.VectorField.from_space(mesh, np.ascontiguousarray(vectors, np.float64))
     density = MAP_DENSITY if choose_views(mesh)[0].is_map else DENSITY
-    return native.start_evenly_spaced_streamlines(field, density * mesh.size, topology=topology).result()
+    return native.evenly_spaced_streamlines(field, density * mesh.size, topology=topology)
 
 
 def _pale(kind: str) -> np.ndarray:
     return (1.0 - PALE) + PALE * np.array(KIND_COLOURS[kind])
 
 
-def _draw_graph(axis: Any, graph: EntityGraph) -> None:
+def _draw_graph(axis: Axes, graph: EntityGraph) -> None:
     axis.set_axis_off()
     axis.set_title(graph.title, fontsize=11)
     if not graph.entities:
@@ -209,7 +219,7 @@ def _bent(route: np.ndarray, pieces: int = 24) -> np.ndarray:
     return (1.0 - t) ** 2 * start + 2.0 * t * (1.0 - t) * control + t**2 * end
 
 
-def _draw_lives(axis: Any, tracking: Any) -> None:
+def _draw_lives(axis: Axes, tracking: Tracking) -> None:
     """One bar per path from where it begins to where it ends, with its bifurcations."""
     axis.set_title("Life spans", fontsize=11)
     order = sorted(tracking.paths, key=lambda track: (track.first, -track.life))
@@ -233,13 +243,13 @@ def _draw_lives(axis: Any, tracking: Any) -> None:
         axis.spines[side].set_visible(False)
 
 
-def _legend(figure: Any, graph: EntityGraph, lines: bool = False, sets: bool = False) -> None:
+def _legend(figure: Figure, graph: EntityGraph, lines: bool = False, sets: bool = False) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     kinds = {entity.kind for entity in graph.entities}
     closed = {entity.kind for entity in graph.entities if entity.curve is not None}
-    handles: list[Any] = []
+    handles: list[Artist] = []
 
     def add_curve(kind: str, label: str, width: float) -> None:
         handles.append(Line2D([], [], color=KIND_COLOURS[kind], linewidth=width, label=label))
@@ -264,10 +274,10 @@ def _legend(figure: Any, graph: EntityGraph, lines: bool = False, sets: bool = F
         )
 
 
-def _track_legend(figure: Any, tracking: Any) -> None:
+def _track_legend(figure: Figure, tracking: Tracking) -> None:
     from matplotlib.lines import Line2D
 
-    dot: dict[str, Any] = {"marker": "o", "linestyle": "", "markersize": 6.0}
+    dot: dict[str, str | float] = {"marker": "o", "linestyle": "", "markersize": 6.0}
     kinds = {track.kind for track in tracking.paths}
     handles = [
         Line2D([], [], color=KIND_COLOURS[kind], markeredgecolor="white", label=f"{kind} at the end", **dot)
@@ -280,7 +290,7 @@ def _track_legend(figure: Any, tracking: Any) -> None:
         figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, fontsize=9)
 
 
-def _save(figure: Any, path: str | Path) -> None:
+def _save(figure: Figure, path: str | Path) -> None:
     """Whole or not at all."""
     path = Path(path)
     temporary = path.with_name(f".{path.name}.tmp{path.suffix}")

@@ -4,13 +4,22 @@
 What is hidden is left out by the depth buffer of the view (view.py), so lines stay smooth.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import native
 from .view import View, look, shade
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: A word, a shade of grey as text, or red, green and blue in 0..1.
+Colour = str | tuple[float, float, float]
 
 #: Pixels of a view along its longer side; a map has more.
 PIXELS, MAP_PIXELS = 1100, 1800
@@ -23,7 +32,7 @@ ARROW_EVERY, ARROW_LENGTH = 0.35, 0.02
 
 
 class SurfacePanel:
-    def __init__(self, axis: Any, mesh: Any, view: View) -> None:
+    def __init__(self, axis: Axes, mesh: native.TriangleMesh, view: View) -> None:
         self.axis, self.mesh = axis, mesh
         self.sight = look(mesh, view, MAP_PIXELS if view.is_map else PIXELS)
         rows, columns = self.sight.shape
@@ -42,8 +51,10 @@ class SurfacePanel:
         picture = shade(self.sight, colours)
         self.axis.imshow(picture, origin="lower", extent=(0, columns, 0, rows), interpolation="bilinear", zorder=0)
 
-    def draw_streamlines(self, lines: Any, colour: Any, role_colours: Mapping[int, Any] = MappingProxyType({})) -> None:
-        """lines: native EvenStreamlines, as wide as their taper says, with arrow heads; some roles in a colour of their
+    def draw_streamlines(
+        self, lines: native.EvenStreamlines, colour: str, role_colours: Mapping[int, Colour] = MappingProxyType({})
+    ) -> None:
+        """Lines as wide as their taper says, with arrow heads; some roles in a colour of their
         own and wider."""
         offsets, points, taper = lines.offsets, lines.points, lines.taper
         if not len(points):
@@ -61,7 +72,7 @@ class SurfacePanel:
             chosen = np.where(role == number, after, np.arange(len(points)))
             self._segments(points, normals, chosen, own, MARKED * width, 3)
 
-    def draw_curves(self, curves: Sequence[np.ndarray], colour: Any, width: float) -> None:
+    def draw_curves(self, curves: Sequence[np.ndarray], colour: Colour, width: float) -> None:
         """curves: (k, 3) polylines on the surface."""
         curves = [curve for curve in curves if len(curve) > 1]
         if not curves:
@@ -78,7 +89,7 @@ class SurfacePanel:
         colours = colour_of(0.5 * (lambdas + lambdas[after]))
         self._segments(points, self._normals(points), after, colours, np.full(len(points), 1.8), 3)
 
-    def draw_points(self, points: np.ndarray, colours: Sequence[Any], size: float = 34.0) -> None:
+    def draw_points(self, points: np.ndarray, colours: Sequence[Colour], size: float = 34.0) -> None:
         """points: (k, 3) on the surface."""
         seen = self._seen(points)
         if seen.any():
@@ -126,7 +137,7 @@ class SurfacePanel:
             autolim=False,
         )
 
-    def _arrows(self, lines: Any, normals: np.ndarray, after: np.ndarray, colour: str) -> None:
+    def _arrows(self, lines: native.EvenStreamlines, normals: np.ndarray, after: np.ndarray, colour: str) -> None:
         """Heads that point with the flow, in the middle of lines and at equal distances along long ones."""
         from matplotlib.collections import PolyCollection
 

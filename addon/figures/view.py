@@ -10,10 +10,13 @@
 A unit sphere that is exact to round-off, as winds are put onto, is seen as a longitude-latitude map.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+
+from .. import native
 
 #: Pixels that are tested at once.
 CHUNK = 4_000_000
@@ -31,7 +34,7 @@ class View:
         return self.axes is None
 
 
-def choose_views(mesh: Any) -> tuple[View, ...]:
+def choose_views(mesh: native.TriangleMesh) -> tuple[View, ...]:
     """A map for winds, one view on an open surface from the side it faces, two opposite ones on any other."""
     vertices = mesh.vertices
     if mesh.euler_characteristic == 2 and np.abs(np.linalg.norm(vertices, axis=1) - 1.0).max() < 1e-12:
@@ -65,7 +68,7 @@ def _axes(towards: np.ndarray) -> np.ndarray:
 class Sight:
     """What is seen of a surface: per pixel (row 0 at the bottom) the face, its barycentric coordinates, the depth."""
 
-    mesh: Any
+    mesh: native.TriangleMesh
     view: View
     shape: tuple[int, int]  #: rows, columns
     scale: float  #: pixels per mesh unit (per degree on a map)
@@ -96,7 +99,7 @@ class Sight:
         return seen & (facing > -0.02) if self.closed else seen
 
 
-def look(mesh: Any, view: View, width: int, margin: float = 0.02) -> Sight:
+def look(mesh: native.TriangleMesh, view: View, width: int, margin: float = 0.02) -> Sight:
     """Draws faces and depth of the surface, `width` pixels wide (less where it is tall)."""
     flat = _flat(view, mesh.vertices)
     if view.is_map:
@@ -145,7 +148,7 @@ def _flat(view: View, points: np.ndarray) -> np.ndarray:
     return np.column_stack([np.degrees(longitude), np.degrees(latitude), np.zeros(len(points))])
 
 
-def _map_faces(mesh: Any, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+def _map_faces(mesh: native.TriangleMesh, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
     latitude = np.radians((np.arange(shape[0]) + 0.5) / shape[0] * 180.0 - 90.0)[:, None]
     longitude = np.radians((np.arange(shape[1]) + 0.5) / shape[1] * 360.0 - 180.0)[None, :]
     place = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude) + 0 * longitude

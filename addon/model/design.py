@@ -14,13 +14,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Literal, get_args
 
 from .errors import InputError
+from .words import Json
 
 SCHEMA = "stormfield.design/1"
-TYPES = ("singular", "regular", "streamline", "pathline")
-KINDS = (
+ElementType = Literal["singular", "regular", "streamline", "pathline"]
+TYPES: tuple[ElementType, ...] = get_args(ElementType)
+SingularKind = Literal[
     "source",
     "sink",
     "saddle",
@@ -30,9 +32,11 @@ KINDS = (
     "spiral_in_cw",
     "spiral_out_ccw",
     "spiral_out_cw",
-)
+]
+KINDS: tuple[SingularKind, ...] = get_args(SingularKind)
 #: The two fields of one mesh (thesis 9.2): what turns the texture, and what moves it.
-FIELDS = ("orientation", "advection")
+FieldName = Literal["orientation", "advection"]
+FIELDS: tuple[FieldName, FieldName] = ("orientation", "advection")
 
 Vector = tuple[float, float, float]
 
@@ -42,11 +46,11 @@ class Element:
     """One design element; design.schema.json says what each value means."""
 
     name: str
-    type: str
+    type: ElementType
     points: tuple[Vector, ...]
     lam: tuple[float, ...] = (0.0, 1.0)
-    kind: str = "source"
-    field: str = "both"
+    kind: SingularKind = "source"
+    field: FieldName | Literal["both"] = "both"
     strength: float = 0.2
     radius: float = 0.1
     hard: bool = False
@@ -60,7 +64,7 @@ class Element:
         if self.direction is not None:
             object.__setattr__(self, "direction", _vector(self.direction))
 
-    def acts_on(self, name: str) -> bool:
+    def acts_on(self, name: FieldName) -> bool:
         return self.field in (name, "both")
 
     def check(self) -> None:
@@ -127,7 +131,7 @@ class Design:
     elements: tuple[Element, ...] = ()
     settings: SolveSettings = field(default_factory=SolveSettings)
 
-    def elements_of(self, name: str) -> tuple[Element, ...]:
+    def elements_of(self, name: FieldName) -> tuple[Element, ...]:
         """The enabled elements that act on the field `name`."""
         return tuple(element for element in self.elements if element.enabled and element.acts_on(name))
 
@@ -145,7 +149,7 @@ class Design:
             element.check()
 
     @classmethod
-    def from_json(cls, data: Any) -> "Design":
+    def from_json(cls, data: Json) -> "Design":
         """From the form of design.schema.json (its mesh is left to the reader of the file). Raises InputError."""
         check_schema(data)
         design = cls(
@@ -155,7 +159,7 @@ class Design:
         design.check()
         return design
 
-    def to_json(self, mesh: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def to_json(self, mesh: Mapping[str, Json] | None = None) -> dict[str, Json]:
         """The form of design.schema.json, with the mesh when it is given; values that are the default are left out."""
         return {
             "schema": SCHEMA,
@@ -165,7 +169,7 @@ class Design:
         }
 
 
-def check_schema(data: Any) -> None:
+def check_schema(data: Json) -> None:
     """Raises InputError with one line that says where in the JSON, what is wrong, and the cure."""
     import jsonschema
 
@@ -180,7 +184,7 @@ def check_schema(data: Any) -> None:
 
 
 @cache
-def _schema() -> dict[str, Any]:
+def _schema() -> dict[str, Json]:
     return json.loads((Path(__file__).parent / "design.schema.json").read_text(encoding="utf-8"))
 
 
@@ -214,7 +218,7 @@ def _describe(error) -> str:
     return f"{error.message}: see design.schema.json"
 
 
-def _element_name(data: Any, path: Sequence[Any]) -> str:
+def _element_name(data: Json, path: Sequence[str | int]) -> str:
     """(element 'NAME'), because a name is easier to find than a number; empty for other places."""
     path = list(path)
     if len(path) < 2 or path[0] != "elements":
@@ -224,7 +228,7 @@ def _element_name(data: Any, path: Sequence[Any]) -> str:
     return f" (element '{name}')" if isinstance(name, str) else ""
 
 
-def _non_defaults(value: Any) -> dict[str, Any]:
+def _non_defaults(value: Element | SolveSettings) -> dict[str, Json]:
     """Fields of a dataclass whose value is not the default, as JSON knows them."""
     # A reader of the file needs λ, the kind and the samples, even where they have their defaults.
     always = {"lam", "kind", "samples"}
@@ -233,13 +237,13 @@ def _non_defaults(value: Any) -> dict[str, Any]:
         content = getattr(value, each.name)
         if content == each.default and each.name not in always:
             continue
-        if each.name == "kind" and value.type != "singular":
+        if each.name == "kind" and isinstance(value, Element) and value.type != "singular":
             continue
         result[each.name] = _listed(content)
     return result
 
 
-def _listed(content: Any) -> Any:
+def _listed(content: object) -> Json:
     return [_listed(item) for item in content] if isinstance(content, tuple) else content
 
 

@@ -3,4 +3,4 @@
 
 
 class InputError(ValueError):
-    """The user's data or files cannot be used."""
+    """The user's data or files cannot be used. Loaded by native.py, the compiled core raises it too."""

@@ -122,7 +122,7 @@ class STORMFIELD_OT_pathlines(AnalysisOperator, bpy.types.Operator):
             read_sample = lambda j: cache.sample(j)[attribute]  # noqa: E731
         else:
             field = read_current(context, obj)
-            mesh, lambdas = field.mesh, [0.0]
+            mesh, lambdas = field.mesh, np.zeros(1)
             read_sample = lambda _j: field.values  # noqa: E731
         if self.seeds == "SELECTED":
             chosen = np.empty(len(obj.data.vertices), bool)

@@ -4,6 +4,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..bake.task import FlowSettings
+
 RESOLUTIONS = tuple((str(n), f"{n} px", f"{n} × {n} pixels") for n in (256, 512, 1024, 2048, 4096))
 
 
@@ -47,7 +49,7 @@ class BakeProperties(bpy.types.PropertyGroup):
         min=2,
         soft_max=240,
         max=100000,
-        default=48,
+        default=FlowSettings().period,
     )
     speed: FloatProperty(
         name="Flow Speed",
@@ -55,7 +57,7 @@ class BakeProperties(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=10.0,
         max=1000.0,
-        default=1.0,
+        default=FlowSettings().speed,
     )
     uv_layer: StringProperty(name="UV Layer", description="UV layer of the flow maps; empty means the active layer")
     resolution: EnumProperty(

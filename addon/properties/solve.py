@@ -4,6 +4,10 @@
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty
 
+from ..model.design import SolveSettings
+
+DEFAULTS = SolveSettings()
+
 
 class SolveProperties(bpy.types.PropertyGroup):
     samples: IntProperty(
@@ -12,7 +16,7 @@ class SolveProperties(bpy.types.PropertyGroup):
         min=2,
         soft_max=200,
         max=2000,
-        default=100,
+        default=DEFAULTS.samples,
     )
     lambda_weight: FloatProperty(
         name="λ Stiffness",
@@ -21,7 +25,7 @@ class SolveProperties(bpy.types.PropertyGroup):
         min=0.01,
         soft_max=100.0,
         max=10000.0,
-        default=10.0,
+        default=DEFAULTS.lambda_weight,
     )
     even_speed: FloatProperty(
         name="Even Speed",
@@ -38,7 +42,7 @@ class SolveProperties(bpy.types.PropertyGroup):
         "until the field is within about half a percent of the exact one",
         min=1e-9,
         max=1e-1,
-        default=1e-4,
+        default=DEFAULTS.tolerance,
         precision=6,
         step=0.01,
     )

@@ -6,8 +6,9 @@ drawn and never written to the file, so that scrubbing leaves nothing to undo. F
 starting value that mesh and field suggest. Previews are known by the session uid of their object.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any
 
 import bpy
 import numpy as np
@@ -34,8 +35,8 @@ class Preview:
 
 @dataclass
 class _Work:
-    job: Any
-    surface: Any
+    job: native.MorseJob
+    surface: native.TriangleMesh
     lam: float
 
 

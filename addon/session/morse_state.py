@@ -5,9 +5,12 @@ Known by the object's session uid, and never saved: after a file was opened, Mor
 *Simplify* takes effect a moment after it has stopped, so that dragging stays smooth.
 """
 
+from __future__ import annotations
+
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal
 
 import bpy
 import numpy as np
@@ -15,11 +18,12 @@ import numpy as np
 from .. import native
 from ..analysis.steps import MorseSets, native_field
 from ..model.mesh_data import MeshData
+from ..model.words import MorseMethod, MorseOptions
 from ..scene.write import analysis_objects
 from . import objects
 
 #: What τ is of each method that has one, in the core's words.
-UNITS = {"tau": "time", "spatial": "length"}
+UNITS: dict[MorseMethod, Literal["time", "length"]] = {"tau": "time", "spatial": "length"}
 #: Seconds that a slider must stay the same before work begins.
 PAUSE = 0.15
 
@@ -35,9 +39,9 @@ _states: dict[int, MorseState] = {}
 _serials = itertools.count(1)
 
 
-def refine_options(settings, mesh: MeshData, values: np.ndarray) -> dict[str, Any]:
+def refine_options(settings, mesh: MeshData, values: np.ndarray) -> MorseOptions:
     """Options of native.start_morse for a refinement of that field as the panel says."""
-    options = {"method": settings.method, "refine": True, "max_seconds": settings.seconds}
+    options: MorseOptions = {"method": settings.method, "refine": True, "max_seconds": settings.seconds}
     if settings.method == "geometry":
         return {**options, "eps": settings.eps / 100.0, "relative": True, "persistence": settings.persistence}
     begin = settings.length if settings.method == "spatial" else settings.tau
@@ -112,10 +116,10 @@ def simplify(obj: bpy.types.Object) -> bool:
     return True
 
 
-_pending: dict[str, Any] = {}
+_pending: dict[str, Callable[[], None]] = {}
 
 
-def _after_pause(what: str, work) -> None:
+def _after_pause(what: str, work: Callable[[], None]) -> None:
     """Run `work` after PAUSE without another call for the same thing."""
     earlier = _pending.pop(what, None)
     if earlier is not None and bpy.app.timers.is_registered(earlier):

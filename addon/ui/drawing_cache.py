@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from .. import native
+from ..model.words import MorseMethod
 from ..scene.read.mesh import loop_triangles
 from ..session import morse_state
 from . import field_drawing
@@ -82,9 +83,9 @@ def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
     )
     if entry.drawing is None or entry.key != key:
         surface_of(evaluated)
-        values = np.empty(len(mesh.vertices) * 3, np.float32)
-        attribute.data.foreach_get("vector", values)
-        values = values.reshape(-1, 3).astype(np.float64)
+        flat = np.empty(len(mesh.vertices) * 3, np.float32)
+        attribute.data.foreach_get("vector", flat)
+        values = flat.reshape(-1, 3).astype(np.float64)
         entry.values, entry.taus = values, {}
         entry.drawing = _draw(entry, values, settings)
         entry.key = key
@@ -101,7 +102,7 @@ def surface_of(evaluated: bpy.types.Object):
     return entry.surface, entry.mesh
 
 
-def starting_tau(obj: bpy.types.Object, method: str) -> float | None:
+def starting_tau(obj: bpy.types.Object, method: MorseMethod) -> float | None:
     """The τ that mesh and field suggest: seconds, or mesh units for the method "spatial"; None before it was drawn."""
     entry = _entries.get(obj.session_uid)
     if entry is None or entry.mesh is None or entry.values is None:
@@ -111,7 +112,7 @@ def starting_tau(obj: bpy.types.Object, method: str) -> float | None:
     return entry.taus[method]
 
 
-def _starting_tau(entry: _Entry, method: str) -> float | None:
+def _starting_tau(entry: _Entry, method: MorseMethod) -> float | None:
     try:
         return native.starting_tau(native.VectorField.from_space(entry.mesh, entry.values), morse_state.UNITS[method])
     except ValueError:  # of a field that is zero, or not finite

@@ -86,9 +86,7 @@ def strokes(surface: Surface, mesh, values: np.ndarray, seeds: Seeds, length: fl
     paced = values / np.maximum(speed, 0.02 * fast) * (0.25 + 0.75 * relative)
     field = native.VectorField.from_space(mesh, paced)
     duration = seeds.spacing * length
-    traces = native.trace_streamlines(
-        field, seeds.faces, seeds.barycentric, max_time=duration, tolerance=0.1, max_steps=200
-    )
+    traces = native.streamlines(field, seeds.faces, seeds.barycentric, max_time=duration, tolerance=0.1, max_steps=200)
     offsets = np.asarray(traces.offsets)
     points = traces.points + LIFT * surface.size * _evaluate(surface, surface.normals, traces.faces, traces.barycentric)
     owner = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))

@@ -223,7 +223,9 @@ def link_lines(tree: bpy.types.NodeTree) -> tuple[np.ndarray, np.ndarray]:
     nodes = tree.nodes
     active = nodes.active.name if nodes.active is not None and nodes.active.select else None
     where = {node.name: np.array((node.location[0] + 0.5 * node.width, node.location[1])) for node in nodes}
-    tint = {node.name: np.array(KIND_COLOURS.get(node.kind, KIND_COLOURS["other"])) for node in nodes}
+    tint: dict[str, np.ndarray] = {
+        node.name: np.array(KIND_COLOURS.get(node.kind, KIND_COLOURS["other"])) for node in nodes
+    }
     lines, colours = [], []
     for route in sorted(tree.routes, key=lambda route: active in (route.source, route.target)):
         if route.source not in where or route.target not in where:

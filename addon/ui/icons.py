@@ -24,7 +24,7 @@ def of(kind: str) -> int:
         icon = _icons.new(kind)
         icon.icon_size = icon.image_size = (SIZE, SIZE)  # type: ignore[assignment]
         pixels = paint(kind)
-        icon.icon_pixels_float = icon.image_pixels_float = pixels.ravel().tolist()
+        icon.icon_pixels_float = icon.image_pixels_float = pixels.ravel().tolist()  # type: ignore[assignment]
     return _icons[kind].icon_id
 
 

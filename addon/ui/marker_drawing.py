@@ -74,4 +74,4 @@ def on_screen(context: bpy.types.Context, matrix_world, positions: np.ndarray) -
     clip = np.c_[positions, np.ones(len(positions))] @ matrix.T
     with np.errstate(divide="ignore", invalid="ignore"):
         plane = np.where(clip[:, 3:] > 0, clip[:, :2] / clip[:, 3:], np.nan)
-    return 0.5 * (plane + 1.0) * (context.region.width, context.region.height)
+    return 0.5 * (plane + 1.0) * np.array((context.region.width, context.region.height))

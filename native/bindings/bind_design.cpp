@@ -22,13 +22,13 @@ struct SolvedField {
   std::vector<Index> componentsWithoutConstraint;
 };
 
-DesignElement makeElement(const std::string& name, const std::string& type, const py::object& points,
-                          const std::vector<double>& lam, const std::string& kind, double strength, double radius,
+DesignElement makeElement(const std::string& name, ElementType type, const ArrayArgument<double>& points,
+                          const std::vector<double>& lam, SingularKind kind, double strength, double radius,
                           double angle, const std::optional<std::array<double, 3>>& direction, bool hard) {
   DesignElement element;
   element.name = name;
-  element.type = elementType(type);
-  element.kind = singularKind(kind);
+  element.type = type;
+  element.kind = kind;
   const auto array = inputArray<double>(points, "points", {kAny, 3});
   for (py::ssize_t i = 0; i < array.shape(0); ++i)
     element.points.emplace_back(array.at(i, 0), array.at(i, 1), array.at(i, 2));
@@ -88,6 +88,14 @@ SolvedFields solveAll(const MeshPointer& mesh, const ElementLists& lists, const 
   return solved;
 }
 
+Work<SolvedFields> prepareSolveDesign(const MeshPointer& mesh, const ElementLists& lists, Index samples,
+                                      double lambdaWeight, double tolerance, double evenSpeed, double lambdaPerSecond,
+                                      const std::shared_ptr<SolverMemory>& memory) {
+  const DesignOptions options{samples, lambdaWeight, tolerance, evenSpeed, lambdaPerSecond};
+  auto kept = memory ? memory : std::make_shared<SolverMemory>();
+  return [=](Progress& progress) { return solveAll(mesh, lists, options, *kept, progress); };
+}
+
 ConstraintSet constraintsOf(const MeshPointer& mesh, const std::vector<DesignElement>& elements, Index samples,
                             double lambdaPerSecond) {
   ElementOptions options;
@@ -100,21 +108,29 @@ ConstraintSet constraintsOf(const MeshPointer& mesh, const std::vector<DesignEle
 }  // namespace
 
 void bind_design(py::module_& m) {
-  py::class_<DesignElement>(m, "DesignElement", py::module_local(), "What an artist places; see addon/model/design.py.")
+  const DesignElement element;
+  py::class_<DesignElement>(m, "DesignElement", py::module_local(), "What an artist places (thesis 5.2). Immutable.")
       .def(py::init(&makeElement), py::arg("name"), py::arg("type"), py::arg("points"),
-           py::arg("lam") = std::vector<double>{0.0, 1.0}, py::arg("kind") = "source", py::arg("strength") = 0.2,
-           py::arg("radius") = 0.1, py::arg("angle") = 0.0, py::arg("direction") = py::none(), py::arg("hard") = false,
-           "type: singular, regular, streamline or pathline. points: (k, 3) float64, object space. lam: one per point, "
-           "or\n"
-           "start and end. strength: mesh sizes per second. radius: mesh units. Raises InputError on an unknown word.")
-      .def_readonly("name", &DesignElement::name);
+           py::arg("lam") = element.lambdas, py::arg("kind") = element.kind, py::arg("strength") = element.strength,
+           py::arg("radius") = element.radius, py::arg("angle") = element.angle, py::arg("direction") = py::none(),
+           py::arg("hard") = element.hard,
+           "points: (k, 3) float64, object space. lam: one lambda per point, or start and end. kind: of singular\n"
+           "elements. strength: mesh sizes per second. radius: mesh units. angle: radians, of a saddle's outflow from\n"
+           "direction (3 numbers). hard: whether the inner third of the region is met exactly. Raises InputError for "
+           "an\n"
+           "unknown word and for points of another shape.")
+      .def_readonly("name", &DesignElement::name, "Unique in its design; messages speak of it.");
 
   m.def(
       "check_elements", [](const std::vector<DesignElement>& elements) { checkElements(elements); },
       py::arg("elements"), "Raises InputError on the first fault that needs no mesh.");
 
-  m.def("element_constraints", &constraintsOf, py::arg("mesh"), py::arg("elements"), py::arg("samples") = 100,
-        py::arg("lambda_per_second") = 1.0, "The constraints of a list of DesignElement. Raises InputError.");
+  m.def("element_constraints", &constraintsOf, py::arg("mesh"), py::arg("elements"),
+        py::arg("samples") = ElementOptions().samples, py::arg("lambda_per_second") = ElementOptions().lambdaPerSecond,
+        "The ConstraintSet of a list of DesignElement (thesis 5.2.2, 11.1.3). samples: of lambda in [0, 1]. "
+        "lambda_per_second: "
+        "of\n"
+        "pathlines. Raises InputError.");
 
   py::class_<SolvedField, std::shared_ptr<SolvedField>>(m, "SolvedField", py::module_local(),
                                                         "A solved field and how the solve went.")
@@ -128,31 +144,26 @@ void bind_design(py::module_& m) {
 
   py::class_<SolverMemory, std::shared_ptr<SolverMemory>>(
       m, "SolverMemory", py::module_local(),
-      "What start_solve leaves for the next solve on the same mesh object: edits are solved faster.")
+      "What solve_design leaves for the next solve on the same mesh object: edits are solved faster.")
       .def(py::init<>())
       .def(
           "clear", [](SolverMemory& memory) { memory.put({}); }, "Give the memory back; the next solve starts anew.");
 
-  using SolveJob = Job<SolvedFields>;
-  bindJob<SolveJob>(m, "SolveJob", "A solve on a thread of its own; result() is a list of SolvedField.",
-                    [](const SolvedFields& solved) { return solved; });
-  m.def(
-      "start_solve",
-      [](const MeshPointer& mesh, ElementLists lists, Index samples, double lambdaWeight, double tolerance,
-         double evenSpeed, double lambdaPerSecond, const std::shared_ptr<SolverMemory>& memory) {
-        const DesignOptions options{samples, lambdaWeight, tolerance, evenSpeed, lambdaPerSecond};
-        auto kept = memory ? memory : std::make_shared<SolverMemory>();
-        return std::make_shared<SolveJob>([mesh, lists = std::move(lists), options, kept](Progress& progress) {
-          return solveAll(mesh, lists, options, *kept, progress);
-        });
-      },
-      py::arg("mesh"), py::arg("elements"), py::kw_only(), py::arg("samples") = 100, py::arg("lambda_weight") = 10.0,
-      py::arg("tolerance") = 1e-4, py::arg("even_speed") = 0.0, py::arg("lambda_per_second") = 1.0,
-      py::arg("memory") = std::shared_ptr<SolverMemory>(),
-      "Solves one field per list of DesignElement, one after the other, without blocking. memory: a SolverMemory; "
-      "with\n"
-      "one that solved on this mesh object before, solves start from their last solution and agree with those that do\n"
-      "not to the tolerance, not to the bit. Faults of the design are raised by result().");
+  const DesignOptions defaults;
+  bindJob<SolvedFields>(m, "SolveDesignJob", "A solve of designs on a thread of its own.",
+                        [](const SolvedFields& solved) { return solved; })
+      .def(
+          m, "solve_design", &prepareSolveDesign,
+          "One field per list of DesignElement, one after the other -> list of SolvedField.\n\n"
+          "samples: of lambda in [0, 1]. lambda_weight: omega of thesis eq. 11.3. tolerance: relative residual.\n"
+          "even_speed: 0 (as solved) to 1 (one speed, falling to 0 at fixed points). lambda_per_second: of pathlines.\n"
+          "memory: a SolverMemory; with one that solved on this mesh object before, solves start from their last\n"
+          "solution and agree with those that do not to the tolerance, not to the bit. Raises InputError,\n"
+          "SolverError, Cancelled.",
+          py::arg("mesh"), py::arg("elements"), py::kw_only(), py::arg("samples") = defaults.samples,
+          py::arg("lambda_weight") = defaults.lambdaWeight, py::arg("tolerance") = defaults.tolerance,
+          py::arg("even_speed") = defaults.evenSpeed, py::arg("lambda_per_second") = defaults.lambdaPerSecond,
+          py::arg("memory") = std::shared_ptr<SolverMemory>());
 }
 
 }  // namespace stormfield::bindings

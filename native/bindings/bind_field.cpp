@@ -10,15 +10,16 @@ namespace {
 
 using MeshPointer = std::shared_ptr<MeshHandle>;
 
-FieldHandle makeField(const MeshPointer& mesh, const py::object& values) {
+FieldHandle makeField(const MeshPointer& mesh, const ArrayArgument<Complex>& values) {
   return {mesh, makeVectorField(mesh->charts(), toVector(inputArray<Complex>(values, "values", {kAny})))};
 }
 
-FieldHandle fieldFromSpace(const MeshPointer& mesh, const py::object& vectors) {
+FieldHandle fieldFromSpace(const MeshPointer& mesh, const ArrayArgument<double>& vectors) {
   return {mesh, fromSpace(mesh->charts(), toPoints(inputArray<double>(vectors, "vectors", {kAny, 3})))};
 }
 
-py::array_t<double> evaluateAll(const FieldHandle& self, const py::object& faces, const py::object& barycentric) {
+py::array_t<double> evaluateAll(const FieldHandle& self, const ArrayArgument<Index>& faces,
+                                const ArrayArgument<double>& barycentric) {
   const auto where = inputSurfacePoints(self.mesh->mesh(), faces, barycentric);
   Points result(static_cast<Eigen::Index>(where.size()), 3);
   {
@@ -38,8 +39,8 @@ py::array_t<int> indices(const FieldHandle& self) {
   return copied(result);
 }
 
-ParameterizedFieldHandle makeParameterized(const MeshPointer& mesh, const py::object& lambdas,
-                                           const py::object& values) {
+ParameterizedFieldHandle makeParameterized(const MeshPointer& mesh, const ArrayArgument<double>& lambdas,
+                                           const ArrayArgument<Complex>& values) {
   const auto l = inputArray<double>(lambdas, "lambdas", {kAny});
   const auto v = inputArray<Complex>(values, "values", {l.shape(0), mesh->mesh().vertexCount()});
   return {mesh, makeParameterizedField(mesh->charts(), toVector(l), toVector(v))};
@@ -54,8 +55,10 @@ void bind_field(py::module_& m) {
            "values: (n,) complex128, one tangent vector per vertex in its chart, mesh units per second.\n"
            "Raises InputError on a wrong size or values that are not finite.")
       .def_static("from_space", &fieldFromSpace, py::arg("mesh"), py::arg("vectors"),
-                  "vectors: (n, 3) float64, mesh units per second; their normal parts are dropped.")
-      .def_readonly("mesh", &FieldHandle::mesh)
+                  "vectors: (n, 3) float64, mesh units per second; their normal parts are dropped. Raises InputError "
+                  "on a wrong size\n"
+                  "or values that are not finite.")
+      .def_readonly("mesh", &FieldHandle::mesh, "The TriangleMesh it lives on.")
       .def_property_readonly(
           "values",
           [](const py::object& self) {
@@ -64,9 +67,12 @@ void bind_field(py::module_& m) {
           },
           "(n,) complex128.")
       .def(
-          "to_space", [](const FieldHandle& self) { return fromPoints(toSpace(self.field)); }, "(n, 3) float64.")
+          "to_space", [](const FieldHandle& self) { return fromPoints(toSpace(self.field)); },
+          "The vectors in space, (n, 3) float64, mesh units per second.")
       .def("evaluate", &evaluateAll, py::arg("faces"), py::arg("barycentric"),
-           "faces (k,) int32, barycentric (k, 3) float64 -> vectors in space (k, 3) float64.")
+           "faces (k,) int32, barycentric (k, 3) float64 -> vectors in space (k, 3) float64, mesh units per second "
+           "(thesis\n"
+           "2.5). Raises InputError on points outside their faces.")
       .def("poincare_indices", &indices,
            "(m,) int32: index per face; on a closed mesh they add up to the Euler characteristic.");
 
@@ -75,7 +81,7 @@ void bind_field(py::module_& m) {
       .def(py::init(&makeParameterized), py::arg("mesh"), py::arg("lambdas"), py::arg("values"),
            "lambdas: (s,) float64, increasing in [0, 1]; values: (s, n) complex128.\n"
            "Raises InputError on sizes, lambdas or values that do not fit.")
-      .def_readonly("mesh", &ParameterizedFieldHandle::mesh)
+      .def_readonly("mesh", &ParameterizedFieldHandle::mesh, "The TriangleMesh it lives on.")
       .def_property_readonly(
           "lambdas",
           [](const py::object& self) {
@@ -95,7 +101,7 @@ void bind_field(py::module_& m) {
           [](const ParameterizedFieldHandle& self, double lam) {
             return FieldHandle{self.mesh, at(self.field, lam)};
           },
-          py::arg("lam"), "The field at lambda, clamped to the first and last sample.")
+          py::arg("lam"), "The field at lambda, linear between samples, clamped to the first and last.")
       .def(
           "sample",
           [](const ParameterizedFieldHandle& self, Index j) {

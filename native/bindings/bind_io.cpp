@@ -9,9 +9,7 @@ namespace stormfield::bindings {
 namespace {
 
 using MeshPointer = std::shared_ptr<MeshHandle>;
-using ProgressPointer = std::shared_ptr<Progress>;
-
-using ImageJob = Job<std::shared_ptr<const FlowMapImage>>;
+using ImagePointer = std::shared_ptr<const FlowMapImage>;
 
 /// Python's FlowMap: a UV layer and what each pixel of its image shows.
 struct FlowMapHandle {
@@ -21,9 +19,8 @@ struct FlowMapHandle {
 };
 
 using FlowMapPointer = std::shared_ptr<FlowMapHandle>;
-using FlowMapJob = Job<FlowMapPointer>;
 
-FaceUvs inputUvs(const TriangleMesh& mesh, const py::object& uvs) {
+FaceUvs inputUvs(const TriangleMesh& mesh, const ArrayArgument<float>& uvs) {
   const auto array = inputArray<float>(uvs, "uvs", {mesh.faceCount(), 3, 2});
   FaceUvs result(array.shape(0));
   for (py::ssize_t f = 0; f < array.shape(0); ++f) {
@@ -37,25 +34,12 @@ FlowMapPointer drawnFlowMap(const MeshPointer& mesh, FaceUvs uvs, const UvRaster
   return std::make_shared<FlowMapHandle>(FlowMapHandle{mesh, std::move(uvs), std::move(raster)});
 }
 
-FlowMapPointer makeFlowMap(const MeshPointer& mesh, const py::object& uvs, Index width, Index height, Index margin,
-                           const ProgressPointer& progress) {
-  FaceUvs corners = inputUvs(mesh->mesh(), uvs);
-  const py::gil_scoped_release release;
-  return drawnFlowMap(mesh, std::move(corners), {width, height, margin}, progress.get());
-}
-
-std::shared_ptr<FlowMapJob> startFlowMap(const MeshPointer& mesh, const py::object& uvs, Index width, Index height,
-                                         Index margin) {
+Work<FlowMapPointer> prepareFlowMap(const MeshPointer& mesh, const ArrayArgument<float>& uvs, Index width, Index height,
+                                    Index margin) {
   const UvRasterOptions options{width, height, margin};
-  return std::make_shared<FlowMapJob>([mesh, corners = inputUvs(mesh->mesh(), uvs), options](Progress& progress) {
+  return [mesh, corners = inputUvs(mesh->mesh(), uvs), options](Progress& progress) {
     return drawnFlowMap(mesh, corners, options, &progress);
-  });
-}
-
-FlowMapBasis basisOf(const std::string& word) {
-  if (word == "uv") return FlowMapBasis::Uv;
-  if (word == "object") return FlowMapBasis::Object;
-  throw InputError("basis is '" + word + "'; choose 'uv' or 'object'");
+  };
 }
 
 void checkMesh(const FlowMapHandle& self, const FieldHandle& field) {
@@ -63,27 +47,17 @@ void checkMesh(const FlowMapHandle& self, const FieldHandle& field) {
 }
 
 /// (height, width, 4), a view that keeps the image alive.
-py::array_t<float> pixels(const std::shared_ptr<const FlowMapImage>& image) {
-  const py::capsule owner(new std::shared_ptr<const FlowMapImage>(image),
-                          [](void* p) { delete static_cast<std::shared_ptr<const FlowMapImage>*>(p); });
+py::array_t<float> pixels(const ImagePointer& image) {
+  const py::capsule owner(new ImagePointer(image), [](void* p) { delete static_cast<ImagePointer*>(p); });
   return py::array_t<float>({py::ssize_t{image->height}, py::ssize_t{image->width}, py::ssize_t{4}},
                             image->pixels.data(), owner);
 }
 
-std::shared_ptr<ImageJob> startImage(const FlowMapPointer& self, const FieldHandle& field, const std::string& basis) {
+Work<ImagePointer> prepareImage(const FlowMapPointer& self, const FieldHandle& field, FlowMapBasis basis) {
   checkMesh(*self, field);
-  return std::make_shared<ImageJob>([self, field = field.field, basis = basisOf(basis)](Progress& p) {
+  return [self, field = field.field, basis](Progress& p) {
     return std::make_shared<const FlowMapImage>(flowMap(field, self->uvs, self->raster, basis, &p));
-  });
-}
-
-py::array_t<float> image(const FlowMapPointer& self, const FieldHandle& field, const std::string& basis) {
-  const std::shared_ptr<ImageJob> job = startImage(self, field, basis);
-  {
-    const py::gil_scoped_release release;
-    job->wait();
-  }
-  return pixels(job->result());
+  };
 }
 
 /// Python's VoxelBand.
@@ -92,22 +66,13 @@ struct VoxelBandHandle {
   VoxelBand band;
 };
 using VoxelBandPointer = std::shared_ptr<VoxelBandHandle>;
-using VoxelBandJob = Job<VoxelBandPointer>;
 
-VoxelBandPointer builtBand(const MeshPointer& mesh, const VoxelBandOptions& options, Progress* progress) {
-  VoxelBand band = voxelBand(mesh->mesh(), mesh->closestPoints(), options, progress);
-  return std::make_shared<VoxelBandHandle>(VoxelBandHandle{mesh, std::move(band)});
-}
-
-VoxelBandPointer makeBand(const MeshPointer& mesh, double voxelSize, double halfWidth,
-                          const ProgressPointer& progress) {
-  const py::gil_scoped_release release;
-  return builtBand(mesh, {voxelSize, halfWidth}, progress.get());
-}
-
-std::shared_ptr<VoxelBandJob> startBand(const MeshPointer& mesh, double voxelSize, double halfWidth) {
+Work<VoxelBandPointer> prepareBand(const MeshPointer& mesh, double voxelSize, double halfWidth) {
   const VoxelBandOptions options{voxelSize, halfWidth};
-  return std::make_shared<VoxelBandJob>([mesh, options](Progress& p) { return builtBand(mesh, options, &p); });
+  return [mesh, options](Progress& p) {
+    VoxelBand band = voxelBand(mesh->mesh(), mesh->closestPoints(), options, &p);
+    return std::make_shared<VoxelBandHandle>(VoxelBandHandle{mesh, std::move(band)});
+  };
 }
 
 BlockRange checkedRange(const VoxelBandHandle& self, py::ssize_t first, py::ssize_t last) {
@@ -167,15 +132,9 @@ py::array_t<float> speeds(const VoxelBandHandle& self, const FieldHandle& field,
 }  // namespace
 
 void bind_io(py::module_& m) {
-  bindJob<ImageJob>(m, "ImageJob", "Runs FlowMap.start_image; its result is the image, (height, width, 4) float32.",
-                    [](const std::shared_ptr<const FlowMapImage>& image) { return pixels(image); });
-
-  py::class_<FlowMapHandle, FlowMapPointer>(m, "FlowMap", py::module_local(),
-                                            "The image of a UV layer; draws fields into it. Immutable.")
-      .def(py::init(&makeFlowMap), py::arg("mesh"), py::arg("uvs"), py::arg("width"), py::arg("height"),
-           py::arg("margin") = 8, py::arg("progress") = ProgressPointer(),
-           "uvs: (m, 3, 2) float32, one pair per corner; width, height, margin: pixels.\n"
-           "Raises InputError on a layer that does not fit or has no area, Cancelled.")
+  py::class_<FlowMapHandle, FlowMapPointer> flowMaps(m, "FlowMap", py::module_local(),
+                                                     "The image of a UV layer; draws fields into it. Immutable.");
+  flowMaps
       .def_property_readonly(
           "covered_pixels", [](const FlowMapHandle& h) { return h.raster.coveredPixels; },
           "Pixels whose centre lies inside a face.")
@@ -187,24 +146,27 @@ void bind_io(py::module_& m) {
           "Faces without UV area; they show nowhere.")
       .def_property_readonly(
           "outside_faces", [](const FlowMapHandle& h) { return h.raster.outsideFaces; },
-          "Faces that reach beyond the unit square, where they show nowhere.")
-      .def("image", &image, py::arg("field"), py::arg("basis") = "uv",
-           "(height, width, 4) float32, row 0 at v = 1. Basis 'uv': velocity of u and v (UV units per second), speed\n"
-           "(mesh units per second), 1; 'object': the vector (mesh units per second), 1. Zero where nothing shows.")
-      .def("start_image", &startImage, py::arg("field"), py::arg("basis") = "uv",
-           "image on other threads: an ImageJob to watch.");
-  bindJob<FlowMapJob>(m, "FlowMapJob", "Runs start_flow_map; its result is a FlowMap.",
-                      [](const FlowMapPointer& map) { return map; });
-  m.def("start_flow_map", &startFlowMap, py::arg("mesh"), py::arg("uvs"), py::arg("width"), py::arg("height"),
-        py::arg("margin") = 8, "FlowMap(...) on other threads: a FlowMapJob to watch.");
+          "Faces that reach beyond the unit square, where they show nowhere.");
+  bindJob<ImagePointer>(m, "ImageJob", "A flow map that is being drawn.",
+                        [](const ImagePointer& image) { return pixels(image); })
+      .def(flowMaps, "image", &prepareImage,
+           "A VectorField as an image, (height, width, 4) float32, row 0 at v = 1.\n\n"
+           "basis: 'uv' for the velocity of u and v (UV units per second), speed (mesh units per second), 1; 'object'\n"
+           "for the vector (mesh units per second), 1. Zero where nothing shows. Raises InputError for a field of\n"
+           "another mesh object, Cancelled.",
+           py::arg("field"), py::arg("basis") = FlowMapBasis::Uv);
+  bindJob<FlowMapPointer>(m, "FlowMapJob", "A FlowMap that is being made.",
+                          [](const FlowMapPointer& map) { return map; })
+      .defInit(flowMaps, m, "flow_map", &prepareFlowMap,
+               "uvs: (m, 3, 2) float32, one pair per corner; width, height, margin: pixels.\n"
+               "Raises InputError on a layer that does not fit or has no area, Cancelled.",
+               py::arg("mesh"), py::arg("uvs"), py::arg("width"), py::arg("height"),
+               py::arg("margin") = UvRasterOptions().margin);
 
-  py::class_<VoxelBandHandle, VoxelBandPointer>(
+  py::class_<VoxelBandHandle, VoxelBandPointer> bands(
       m, "VoxelBand", py::module_local(),
-      "The voxels around a surface, in blocks of 8 x 8 x 8; gives a field on them. Immutable.")
-      .def(py::init(&makeBand), py::arg("mesh"), py::arg("voxel_size") = VoxelBandOptions{}.voxelSize,
-           py::arg("half_width") = VoxelBandOptions{}.halfWidth, py::arg("progress") = ProgressPointer(),
-           "voxel_size: mesh units, 0 for the mean edge length; half_width: voxels on each side of the surface.\n"
-           "Raises InputError on sizes out of range, Cancelled.")
+      "The voxels around a surface, in blocks of 8 x 8 x 8; gives a field on them. Immutable.");
+  bands
       .def_property_readonly(
           "voxel_size", [](const VoxelBandHandle& h) { return h.band.voxelSize; }, "Mesh units.")
       .def_property_readonly(
@@ -227,11 +189,13 @@ void bind_io(py::module_& m) {
       .def("speeds", &speeds, py::arg("field"), py::arg("first"), py::arg("last"),
            "(last - first, 8, 8, 8) float32, mesh units per second: the lengths of these vectors.");
   m.attr("OUTSIDE_BAND") = kOutsideBand;
-  bindJob<VoxelBandJob>(m, "VoxelBandJob", "Runs start_voxel_band; its result is a VoxelBand.",
-                        [](const VoxelBandPointer& band) { return band; });
-  m.def("start_voxel_band", &startBand, py::arg("mesh"), py::arg("voxel_size") = VoxelBandOptions{}.voxelSize,
-        py::arg("half_width") = VoxelBandOptions{}.halfWidth,
-        "VoxelBand(...) on other threads: a VoxelBandJob to watch.");
+  const VoxelBandOptions options;
+  bindJob<VoxelBandPointer>(m, "VoxelBandJob", "A VoxelBand that is being made.",
+                            [](const VoxelBandPointer& band) { return band; })
+      .defInit(bands, m, "voxel_band", &prepareBand,
+               "voxel_size: mesh units, 0 for the mean edge length; half_width: voxels on each side of the surface.\n"
+               "Raises InputError on sizes out of range, Cancelled.",
+               py::arg("mesh"), py::arg("voxel_size") = options.voxelSize, py::arg("half_width") = options.halfWidth);
 }
 
 }  // namespace stormfield::bindings

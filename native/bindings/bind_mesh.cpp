@@ -7,16 +7,16 @@
 namespace stormfield::bindings {
 namespace {
 
-std::shared_ptr<MeshHandle> makeMesh(const py::object& vertices, const py::object& triangles) {
-  const auto v = inputArray<double>(vertices, "vertices", {kAny, 3});
-  const auto t = inputArray<Index>(triangles, "triangles", {kAny, 3});
-  Points points = toPoints(v);
-  Triangles faces = Eigen::Map<const Triangles>(t.data(), t.shape(0), 3);
+std::shared_ptr<MeshHandle> makeMesh(const ArrayArgument<double>& vertices, const ArrayArgument<Index>& triangles,
+                                     const std::shared_ptr<Progress>& progress) {
+  const MeshArrays arrays = inputMesh(vertices, triangles);
   const py::gil_scoped_release release;
-  return std::make_shared<MeshHandle>(std::make_shared<const TriangleMesh>(std::move(points), std::move(faces)));
+  Progress own;
+  return builtMesh(arrays, progress ? *progress : own);
 }
 
-py::tuple closestPoints(const MeshHandle& self, const py::object& points) {
+py::typing::Tuple<py::array_t<Index>, py::array_t<double>, py::array_t<double>> closestPoints(
+    const MeshHandle& self, const ArrayArgument<double>& points) {
   const Points queries = toPoints(inputArray<double>(points, "points", {kAny, 3}));
   std::vector<ClosestPoint> found;
   {
@@ -34,14 +34,15 @@ py::tuple closestPoints(const MeshHandle& self, const py::object& points) {
   return py::make_tuple(faces, barycentric, distances);
 }
 
-py::array_t<double> positions(const MeshHandle& self, const py::object& faces, const py::object& barycentric) {
+py::array_t<double> positions(const MeshHandle& self, const ArrayArgument<Index>& faces,
+                              const ArrayArgument<double>& barycentric) {
   const auto where = inputSurfacePoints(self.mesh(), faces, barycentric);
   Points result(static_cast<Eigen::Index>(where.size()), 3);
   for (std::size_t i = 0; i < where.size(); ++i) result.row(i) = position(self.mesh(), where[i]);
   return fromPoints(result);
 }
 
-py::array_t<Complex> toTangent(const MeshHandle& self, const py::object& vectors) {
+py::array_t<Complex> toTangent(const MeshHandle& self, const ArrayArgument<double>& vectors) {
   const Index n = self.mesh().vertexCount();
   const auto input = inputArray<double>(vectors, "vectors", {kLeading, n, 3});
   py::array_t<Complex> result(std::vector<py::ssize_t>(input.shape(), input.shape() + input.ndim() - 1));
@@ -55,7 +56,7 @@ py::array_t<Complex> toTangent(const MeshHandle& self, const py::object& vectors
   return result;
 }
 
-py::array_t<double> toSpace(const MeshHandle& self, const py::object& values) {
+py::array_t<double> toSpace(const MeshHandle& self, const ArrayArgument<Complex>& values) {
   const Index n = self.mesh().vertexCount();
   const auto input = inputArray<Complex>(values, "values", {kLeading, n});
   std::vector<py::ssize_t> shape(input.shape(), input.shape() + input.ndim());
@@ -97,6 +98,22 @@ py::array_t<Index> components(const MeshHandle& self) {
 MeshHandle::MeshHandle(std::shared_ptr<const TriangleMesh> mesh)
     : charts_(std::make_shared<const VertexCharts>(std::move(mesh))) {}
 
+MeshArrays inputMesh(const ArrayArgument<double>& vertices, const ArrayArgument<Index>& triangles) {
+  const auto v = inputArray<double>(vertices, "vertices", {kAny, 3});
+  const auto t = inputArray<Index>(triangles, "triangles", {kAny, 3});
+  return {toPoints(v), Eigen::Map<const Triangles>(t.data(), t.shape(0), 3)};
+}
+
+std::shared_ptr<MeshHandle> builtMesh(const MeshArrays& arrays, Progress& progress) {
+  auto mesh = std::make_shared<const TriangleMesh>(arrays.points, arrays.triangles);
+  progress.check();
+  progress.report(0.6);
+  auto handle = std::make_shared<MeshHandle>(std::move(mesh));
+  progress.check();
+  progress.report(0.8);
+  return handle;
+}
+
 const ClosestPointQuery& MeshHandle::closestPoints() const {
   std::call_once(built_, [this] { query_.emplace(charts_->meshPointer()); });
   return *query_;
@@ -107,8 +124,8 @@ const std::shared_ptr<const FlatFaces>& MeshHandle::flatFaces() const {
   return flatFaces_;
 }
 
-std::vector<SurfacePoint> inputSurfacePoints(const TriangleMesh& mesh, const py::object& faces,
-                                             const py::object& barycentric) {
+std::vector<SurfacePoint> inputSurfacePoints(const TriangleMesh& mesh, const ArrayArgument<Index>& faces,
+                                             const ArrayArgument<double>& barycentric) {
   const auto f = inputArray<Index>(faces, "faces", {kAny});
   const auto b = inputArray<double>(barycentric, "barycentric", {f.shape(0), 3});
   std::vector<SurfacePoint> result(f.shape(0));
@@ -131,10 +148,12 @@ void bind_mesh(py::module_& m) {
   py::class_<Handle, std::shared_ptr<Handle>> mesh(
       m, "TriangleMesh", py::module_local(),
       "Oriented triangle 2-manifold: with or without boundary, several components, any genus. Immutable.");
-  mesh.def(py::init(&makeMesh), py::arg("vertices"), py::arg("triangles"),
-           "vertices: (n, 3) float64, mesh units; triangles: (m, 3) int32, counter-clockwise seen from outside.\n"
-           "Faces that disagree with the majority of their component are flipped (flipped_face_count).\n"
-           "Raises MeshError naming the element and the cure when the surface is not a manifold.");
+  mesh.def(
+      py::init(&makeMesh), py::arg("vertices"), py::arg("triangles"), py::arg("progress") = std::shared_ptr<Progress>(),
+      "vertices: (n, 3) float64, mesh units; triangles: (m, 3) int32, counter-clockwise seen from outside.\n"
+      "Faces that disagree with the majority of their component are flipped (flipped_face_count).\n"
+      "Raises MeshError naming the element and the cure when the surface is not a manifold, InputError on arrays of\n"
+      "another shape, Cancelled.");
   mesh.def_property_readonly(
       "vertices",
       [](const py::object& self) {
@@ -184,13 +203,16 @@ void bind_mesh(py::module_& m) {
            "points: (k, 3) float64 -> faces (k,) int32, barycentric (k, 3) float64, distances (k,) float64.\n"
            "Raises InputError on points that are not finite.");
   mesh.def("positions", &positions, py::arg("faces"), py::arg("barycentric"),
-           "faces (k,) int32, barycentric (k, 3) float64 -> positions (k, 3) float64.");
+           "faces (k,) int32, barycentric (k, 3) float64 -> positions (k, 3) float64, mesh units. Raises InputError on "
+           "points\n"
+           "outside their faces.");
   mesh.def(
       "to_tangent", &toTangent, py::arg("vectors"),
       "vectors in space (..., n, 3) float64 -> tangent vectors (..., n) complex128 in the charts of the vertices;\n"
-      "normal parts are dropped.");
+      "normal parts are dropped. Raises InputError on another shape.");
   mesh.def("to_space", &toSpace, py::arg("values"),
-           "tangent vectors (..., n) complex128 -> vectors in space (..., n, 3) float64.");
+           "tangent values (..., n) complex128 -> vectors in space (..., n, 3) float64. Raises InputError on another "
+           "shape.");
 }
 
 }  // namespace stormfield::bindings

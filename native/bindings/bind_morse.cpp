@@ -27,9 +27,9 @@ struct MorseSetView {
   const std::vector<Index>& faces() const { return output->analysis.decomposition.facesMet(set); }
 };
 
-std::vector<double> inputWeights(const py::object& weights, Index vertices) {
-  if (weights.is_none()) return {};
-  return toVector(inputArray<double>(weights, "weights", {vertices}));
+std::vector<double> inputWeights(const std::optional<ArrayArgument<double>>& weights, Index vertices) {
+  if (!weights) return {};
+  return toVector(inputArray(*weights, "weights", {vertices}));
 }
 
 MorseOutput analyzed(const MeshPointer& mesh, const VectorField& field, const MorseAnalysisOptions& options,
@@ -38,14 +38,13 @@ MorseOutput analyzed(const MeshPointer& mesh, const VectorField& field, const Mo
   return {mesh, analyzeMorse(traces ? mesh->flatFaces() : nullptr, field, options, progress)};
 }
 
-std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std::string& method,
-                                             const std::optional<double>& tau, double eps, bool relative,
-                                             const py::object& weights, bool refine,
-                                             const std::optional<double>& tauMax,
-                                             const std::optional<double>& maxSeconds,
-                                             const std::optional<bool>& persistence, bool keepEmpty, bool trivial) {
+Work<MorseOutput> prepareMorse(const FieldHandle& field, MorseMethod method, const std::optional<double>& tau,
+                               double eps, bool relative, const std::optional<ArrayArgument<double>>& weights,
+                               bool refine, const std::optional<double>& tauMax,
+                               const std::optional<double>& maxSeconds, const std::optional<bool>& persistence,
+                               bool keepEmpty, bool keepTrivial) {
   MorseAnalysisOptions options;
-  options.method = morseMethod(method);
+  options.method = method;
   options.tau = tau;
   options.epsilon = eps;
   options.relativeEpsilon = relative;
@@ -54,23 +53,23 @@ std::shared_ptr<Job<MorseOutput>> startMorse(const FieldHandle& field, const std
   options.tauMax = tauMax;
   if (maxSeconds) options.maxSeconds = *maxSeconds;
   options.persistence = persistence;
-  options.kept = {.empty = keepEmpty, .trivial = trivial};
-  return std::make_shared<Job<MorseOutput>>([mesh = field.mesh, f = field.field, options](Progress& progress) {
+  options.kept = {.empty = keepEmpty, .trivial = keepTrivial};
+  return [mesh = field.mesh, f = field.field, options](Progress& progress) {
     return analyzed(mesh, f, options, progress);
-  });
+  };
 }
 
-std::shared_ptr<Job<MorseOutput>> startRefineSet(const MorsePointer& output, Index set) {
-  return std::make_shared<Job<MorseOutput>>([output, set](Progress& progress) {
+Work<MorseOutput> prepareRefineSet(const MorsePointer& output, Index set) {
+  return [output, set](Progress& progress) {
     return MorseOutput{output->mesh, withSetRefined(output->mesh->flatFaces(), output->analysis, set, progress)};
-  });
+  };
 }
 
-MorsePointer simplified(const MorseOutput& output, double eps, const std::optional<bool>& trivial) {
+MorsePointer simplified(const MorseOutput& output, double eps, const std::optional<bool>& keepTrivial) {
   const py::gil_scoped_release release;
   Progress progress;
   KeptSets kept = output.analysis.kept;
-  if (trivial) kept.trivial = *trivial;
+  if (keepTrivial) kept.trivial = *keepTrivial;
   return std::make_shared<const MorseOutput>(
       MorseOutput{output.mesh, withinEpsilon(output.analysis, eps, kept, progress)});
 }
@@ -97,8 +96,8 @@ py::array_t<Index> connectionFaces(const MorseOutput& output, Index source, Inde
   return copied(faces);
 }
 
-py::dict secondsOf(const MorseOutput& output) {
-  py::dict seconds;
+py::typing::Dict<std::string, double> secondsOf(const MorseOutput& output) {
+  py::typing::Dict<std::string, double> seconds;
   seconds["map"] = output.analysis.seconds.map;
   seconds["sets"] = output.analysis.seconds.sets;
   seconds["persistence"] = output.analysis.seconds.persistence;
@@ -129,7 +128,7 @@ void bindSet(py::module_& m) {
           "whether "
           "it is that of the field only, as fixed points may leave over the surface's boundary.")
       .def_property_readonly(
-          "kind", [](const MorseSetView& s) { return name(s.data().kind); },
+          "kind", [](const MorseSetView& s) { return s.data().kind; },
           "source, sink, saddle, attracting, repelling, trivial or other, by the Conley index.")
       .def_property_readonly(
           "poincare", [](const MorseSetView& s) { return s.data().poincare; },
@@ -151,9 +150,11 @@ void bindSet(py::module_& m) {
 }
 
 void bindDecomposition(py::module_& m) {
-  py::class_<MorseOutput, std::shared_ptr<MorseOutput>>(
+  const MorseAnalysisOptions defaults;
+  py::class_<MorseOutput, std::shared_ptr<MorseOutput>> decompositions(
       m, "MorseDecomposition", py::module_local(),
-      "Morse sets, numbered by their first faces, and their order. Immutable.")
+      "Morse sets, numbered by their first faces, and their order. Immutable.");
+  decompositions
       .def_property_readonly(
           "sets", [](const std::shared_ptr<MorseOutput>& o) { return setsOf(o); }, "List of MorseSet.")
       .def_property_readonly(
@@ -166,7 +167,7 @@ void bindDecomposition(py::module_& m) {
           "map_edges", [](const MorseOutput& o) { return o.analysis.decomposition.mapEdges; },
           "Edges of the combinatorial map.")
       .def_property_readonly(
-          "method", [](const MorseOutput& o) { return name(o.analysis.model->method()); }, "geometry, tau or spatial.")
+          "method", [](const MorseOutput& o) { return o.analysis.model->method(); }, "geometry, tau or spatial.")
       .def_property_readonly(
           "tau",
           [](const MorseOutput& o) {
@@ -178,11 +179,7 @@ void bindDecomposition(py::module_& m) {
           "taus", [](const MorseOutput& o) { return copied(o.analysis.model->taus()); },
           "(m,) float64: per face the tau of its row of the map, 0 where that is geometry-based.")
       .def_property_readonly(
-          "stop",
-          [](const MorseOutput& o) {
-            const std::optional<RefinementStop> stop = o.analysis.model->stop();
-            return stop ? std::optional<std::string>(name(*stop)) : std::nullopt;
-          },
+          "stop", [](const MorseOutput& o) { return o.analysis.model->stop(); },
           "Why a refinement went no further: done, steps, time, memory or cancelled; None for others.")
       .def_property_readonly(
           "eps", [](const MorseOutput& o) { return o.analysis.model->epsilon(); },
@@ -191,15 +188,12 @@ void bindDecomposition(py::module_& m) {
           "upper_bound", [](const MorseOutput& o) { return o.analysis.model->method() != MorseMethod::Geometry; },
           "Whether Conley indices are upper bounds.")
       .def_property_readonly("seconds", &secondsOf, "Seconds by phase: map, sets, persistence.")
-      .def("simplify", &simplified, py::arg("eps"), py::arg("trivial") = py::none(),
-           "The decomposition that holds for every field within eps >= 0 (mesh units per second, times the weights).\n"
-           "A refined one keeps its pieces of edges.\n"
-           "trivial: whether to keep sets of trivial index (None: as here). Raises InputError unless the method is "
-           "geometry.")
       .def(
-          "start_refine_set", [](const std::shared_ptr<MorseOutput>& o, Index set) { return startRefineSet(o, set); },
-          py::arg("set"),
-          "Start to refine one set of a refined decomposition, or of one by geometry with eps 0 -> MorseJob.")
+          "simplify", &simplified, py::arg("eps"), py::arg("keep_trivial") = py::none(),
+          "The decomposition that holds for every field within eps >= 0 (mesh units per second, times the weights).\n"
+          "A refined one keeps its pieces of edges.\n"
+          "keep_trivial: whether to keep sets of trivial index (None: as here). Raises InputError unless the method is "
+          "geometry.")
       .def(
           "connection_faces", &connectionFaces, py::arg("source"), py::arg("target"),
           "(k,) int32: faces that connections from one set to another pass through, without theirs; empty without any.")
@@ -207,6 +201,32 @@ void bindDecomposition(py::module_& m) {
         return message("<MorseDecomposition by ", name(o.analysis.model->method()), ": ",
                        o.analysis.decomposition.faces.count(), " sets>");
       });
+  bindJob<MorseOutput>(m, "MorseJob", "A Morse decomposition that is being made.",
+                       [](const MorseOutput& output) { return std::make_shared<MorseOutput>(output); })
+      .def(decompositions, "refine_set", &prepareRefineSet,
+           "One set of a refined decomposition, or of one by geometry with eps 0, refined further -> "
+           "MorseDecomposition.\n\n"
+           "Raises InputError for a set that does not exist and for other decompositions, and Cancelled.",
+           py::arg("set"))
+      .def(m, "morse", &prepareMorse,
+           "The Morse decomposition of a VectorField (thesis 2.4, 6.2, 8) -> MorseDecomposition.\n\n"
+           "tau: seconds, or mesh units for spatial (None: found from the field). eps: bound on the error of the "
+           "vectors,\n"
+           "in mesh units per second, or mean speeds with relative; geometry only, refined or not. weights: (n,) "
+           "float64\n"
+           ">= 0, factors of eps at the vertices. refine: whether to refine coarse sets, for at most max_seconds: tau "
+           "and\n"
+           "spatial by ever larger tau, from tau up to tau_max, geometry by ever smaller pieces of edges, also inside\n"
+           "faces; a cancelled refinement returns the sets it has come to. persistence: whether to find when sets "
+           "merge\n"
+           "(None: without refine only); refined, that takes some twenty maps and is accurate to a factor of 2.\n"
+           "keep_empty: keep sets that provably hold no recurrence. keep_trivial: keep sets of trivial index, whose\n"
+           "recurrence (pairs that cancel) nearby fields may not have. Raises InputError and Cancelled.",
+           py::arg("field"), py::arg("method") = defaults.method, py::arg("tau") = defaults.tau,
+           py::arg("eps") = defaults.epsilon, py::arg("relative") = defaults.relativeEpsilon,
+           py::arg("weights") = py::none(), py::arg("refine") = defaults.refine, py::arg("tau_max") = defaults.tauMax,
+           py::arg("max_seconds") = py::none(), py::arg("persistence") = defaults.persistence,
+           py::arg("keep_empty") = defaults.kept.empty, py::arg("keep_trivial") = defaults.kept.trivial);
 }
 
 }  // namespace
@@ -214,25 +234,6 @@ void bindDecomposition(py::module_& m) {
 void bind_morse(py::module_& m) {
   bindSet(m);
   bindDecomposition(m);
-  bindJob<Job<MorseOutput>>(m, "MorseJob", "A Morse decomposition under way.",
-                            [](const MorseOutput& output) { return std::make_shared<MorseOutput>(output); });
-  m.def(
-      "start_morse", &startMorse, py::arg("field"), py::arg("method") = "geometry", py::arg("tau") = py::none(),
-      py::arg("eps") = 0.0, py::arg("relative") = false, py::arg("weights") = py::none(), py::arg("refine") = false,
-      py::arg("tau_max") = py::none(), py::arg("max_seconds") = py::none(), py::arg("persistence") = py::none(),
-      py::arg("keep_empty") = false, py::arg("trivial") = true,
-      "Start the Morse decomposition of a VectorField -> MorseJob, whose result is a MorseDecomposition.\n"
-      "method: geometry, tau or spatial. tau: seconds, or mesh units for spatial (None: found from the field).\n"
-      "eps: bound on the error of the vectors, in mesh units per second, or mean speeds with relative; geometry only,\n"
-      "refined or not.\n"
-      "weights: (n,) float64 >= 0, factors of eps at the vertices. persistence: whether to find when sets merge "
-      "(None:\n"
-      "without refine only); refined, that takes some twenty maps and is accurate to a factor of 2.\n"
-      "refine: refine coarse sets, for at most max_seconds: tau and spatial by ever larger tau, from tau up to\n"
-      "tau_max, geometry by ever smaller pieces of edges, also inside faces; a cancelled refinement returns the sets\n"
-      "it has come to.\n"
-      "keep_empty: keep sets that provably hold no recurrence. trivial: keep sets of trivial index, whose recurrence\n"
-      "(pairs that cancel) nearby fields may not have. Raises InputError (at once, or from result()).");
   m.def(
       "mean_speed",
       [](const FieldHandle& field) {

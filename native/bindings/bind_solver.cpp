@@ -15,8 +15,9 @@ struct SolveOutput {
   SpaceTimeResult result;
 };
 
-ConstraintSet makeConstraints(const py::object& vertex, const py::object& sample, const py::object& value,
-                              const py::object& weight, const py::object& element, std::vector<std::string> names) {
+ConstraintSet makeConstraints(const ArrayArgument<Index>& vertex, const ArrayArgument<Index>& sample,
+                              const ArrayArgument<Complex>& value, const ArrayArgument<double>& weight,
+                              const ArrayArgument<Index>& element, std::vector<std::string> names) {
   const auto v = inputArray<Index>(vertex, "vertex", {kAny});
   const py::ssize_t n = v.shape(0);
   ConstraintSet set;
@@ -44,20 +45,11 @@ SolveOutput solveNow(const MeshPointer& mesh, const ConstraintSet& constraints, 
   return {mesh, solver.solve(constraints, progress, state)};
 }
 
-SolveOutput solve(const MeshPointer& mesh, const ConstraintSet& constraints, const SpaceTimeOptions& options,
-                  const std::shared_ptr<Progress>& progress, const ParameterizedFieldHandle* warmStart) {
-  const py::gil_scoped_release release;
-  Progress own;
-  return solveNow(mesh, constraints, options, progress ? *progress : own, warmStart ? &warmStart->field : nullptr);
-}
-
-std::shared_ptr<Job<SolveOutput>> startSolve(const MeshPointer& mesh, const ConstraintSet& constraints,
-                                             const SpaceTimeOptions& options, const std::shared_ptr<Progress>& progress,
-                                             const ParameterizedFieldHandle* warmStart) {
-  // The job outlives the arguments, so it works on copies.
+Work<SolveOutput> prepareSolve(const MeshPointer& mesh, const ConstraintSet& constraints,
+                               const SpaceTimeOptions& options, const ParameterizedFieldHandle* warmStart) {
+  // The work outlives the arguments, so it has copies.
   auto start = warmStart ? std::make_shared<const ParameterizedField>(warmStart->field) : nullptr;
-  return std::make_shared<Job<SolveOutput>>(
-      [=](Progress& p) { return solveNow(mesh, constraints, options, p, start.get()); }, progress);
+  return [=](Progress& p) { return solveNow(mesh, constraints, options, p, start.get()); };
 }
 
 ParameterizedFieldHandle evened(const ParameterizedFieldHandle& field, double amount, double reach) {
@@ -74,8 +66,9 @@ void bind_solver(py::module_& m) {
            py::arg("element"), py::arg("names"),
            "vertex, sample, element: (k,) int32; value: (k,) complex128 in the chart of the vertex, mesh units per "
            "second;\n"
-           "weight: (k,) float64 > 0 in 1/size^2, infinite where the value is met exactly; names: list of the "
-           "elements' names.")
+           "weight: (k,) float64 > 0 in 1/size^2, infinite where the value is met exactly; names: those of the "
+           "elements.\n"
+           "Raises InputError on arrays of other shapes; solve refuses values that cannot be used.")
       .def("__len__", &ConstraintSet::size)
       .def_property_readonly(
           "vertex", [](const ConstraintSet& s) { return copied(s.vertex); }, "(k,) int32.")
@@ -90,13 +83,14 @@ void bind_solver(py::module_& m) {
           "element", [](const ConstraintSet& s) { return copied(s.element); }, "(k,) int32, index into names.")
       .def_readonly("names", &ConstraintSet::elementNames, "Names of the elements.");
 
+  const SpaceTimeOptions defaults;
   py::class_<SpaceTimeOptions>(m, "SolveOptions", py::module_local(), "Settings of the space-time solve.")
-      .def(py::init(&makeOptions), py::arg("samples") = 100, py::arg("lambda_weight") = 10.0,
-           py::arg("tolerance") = 1e-4,
+      .def(py::init(&makeOptions), py::arg("samples") = defaults.samples,
+           py::arg("lambda_weight") = defaults.lambdaWeight, py::arg("tolerance") = defaults.tolerance,
            "samples: of lambda in [0, 1]; lambda_weight: of thesis eq. 11.3; tolerance: relative residual.")
-      .def_readonly("samples", &SpaceTimeOptions::samples)
-      .def_readonly("lambda_weight", &SpaceTimeOptions::lambdaWeight)
-      .def_readonly("tolerance", &SpaceTimeOptions::tolerance);
+      .def_readonly("samples", &SpaceTimeOptions::samples, "Of lambda in [0, 1].")
+      .def_readonly("lambda_weight", &SpaceTimeOptions::lambdaWeight, "Omega of thesis eq. 11.3.")
+      .def_readonly("tolerance", &SpaceTimeOptions::tolerance, "Relative residual.");
 
   py::class_<SolveOutput>(m, "SpaceTimeResult", py::module_local(), "What a solve returns.")
       .def_property_readonly(
@@ -105,7 +99,8 @@ void bind_solver(py::module_& m) {
             return ParameterizedFieldHandle{r.mesh, r.result.field};
           },
           "The field as a ParameterizedField.")
-      .def_property_readonly("iterations", [](const SolveOutput& r) { return r.result.iterations; })
+      .def_property_readonly(
+          "iterations", [](const SolveOutput& r) { return r.result.iterations; }, "Of the Krylov method.")
       .def_property_readonly(
           "residual", [](const SolveOutput& r) { return r.result.residual; }, "True relative residual.")
       .def_property_readonly(
@@ -115,17 +110,14 @@ void bind_solver(py::module_& m) {
           "components_without_constraint", [](const SolveOutput& r) { return r.result.componentsWithoutConstraint; },
           "Components of the mesh that no constraint touches: their field is zero.");
 
-  bindJob<Job<SolveOutput>>(m, "SpaceTimeJob", "A space-time solve on a thread of its own.",
-                            [](const SolveOutput& r) { return r; });
-
-  m.def("solve", &solve, py::arg("mesh"), py::arg("constraints"), py::arg("options") = SpaceTimeOptions(),
-        py::arg("progress") = py::none(), py::arg("warm_start") = py::none(),
-        "Solve for the field on mesh x lambda. warm_start: a ParameterizedField to start from, with as many vertices "
-        "and\n"
-        "samples. Raises InputError (no constraints, bad or contradicting ones), SolverError, Cancelled.");
-  m.def("start_space_time_solve", &startSolve, py::arg("mesh"), py::arg("constraints"),
-        py::arg("options") = SpaceTimeOptions(), py::arg("progress") = py::none(), py::arg("warm_start") = py::none(),
-        "The same without waiting: a SpaceTimeJob.");
+  bindJob<SolveOutput>(m, "SolveJob", "A space-time solve on a thread of its own.",
+                       [](const SolveOutput& r) { return r; })
+      .def(m, "solve", &prepareSolve,
+           "The field on mesh x lambda that meets the constraints (thesis 11.1.3.1) -> SpaceTimeResult.\n\n"
+           "warm_start: a ParameterizedField to start from, with as many vertices and samples. Raises InputError (no\n"
+           "constraints, bad or contradicting ones), SolverError, Cancelled.",
+           py::arg("mesh"), py::arg("constraints"), py::arg_v("options", SpaceTimeOptions(), "SolveOptions()"),
+           py::arg("warm_start") = py::none());
   m.def("even_speed", &evened, py::arg("field"), py::arg("amount"), py::arg("reach"),
         "The field with its speed evened out: amount 0 (as it is) to 1 (the same speed everywhere, falling to 0 over "
         "the\n"

@@ -24,7 +24,10 @@ LineRole role(const GivenCurve& curve) {
   return curve.closed ? LineRole::Closed : curve.againstFlow ? LineRole::AgainstFlow : LineRole::WithFlow;
 }
 
-using StreamlinesJob = Job<std::shared_ptr<const EvenStreamlinesHandle>>;
+/// (faces, barycentric, closed, against_flow) of each curve.
+using KnownCurves = py::typing::Iterable<py::typing::Tuple<ArrayArgument<Index>, ArrayArgument<double>, bool, bool>>;
+
+using EvenStreamlinesPointer = std::shared_ptr<const EvenStreamlinesHandle>;
 
 GivenCurve givenCurve(const TriangleMesh& mesh, const py::handle& item) {
   const auto fields = py::cast<py::tuple>(item);
@@ -37,32 +40,31 @@ GivenCurve givenCurve(const TriangleMesh& mesh, const py::handle& item) {
 /// Fraction of the progress that the topology stands for.
 constexpr double kTopology = 0.4;
 
-std::shared_ptr<StreamlinesJob> start(const FieldHandle& field, double distance, bool topology,
-                                      const py::iterable& curves, double minSpeed) {
+Work<EvenStreamlinesPointer> prepare(const FieldHandle& field, double distance, bool topology,
+                                     const KnownCurves& curves, double minSpeed) {
   std::vector<GivenCurve> given;
   for (const py::handle curve : curves) given.push_back(givenCurve(field.mesh->mesh(), curve));
   const EvenSpacing spacing{distance, minSpeed};
-  return std::make_shared<StreamlinesJob>(
-      [mesh = field.mesh, values = field.field, given = std::move(given), spacing, topology](Progress& progress) {
-        const FlatFaces& faces = *mesh->flatFaces();
-        checkSpacing(mesh->mesh(), spacing);
-        StreamlineFeatures features;
-        if (topology) {
-          progress.range(0.0, kTopology);
-          features = featuresOf(findTopology(faces, values, {}, &progress));
-          progress.range(kTopology, 1.0);
-        } else {
-          features.fixedPoints = findFixedPoints(values);
-        }
-        features.curves.insert(features.curves.begin(), given.begin(), given.end());
-        EvenStreamlines lines = placeStreamlines(faces, values, spacing, features, &progress);
-        std::vector<Index> roles;
-        for (const Index i : lines.given) {
-          roles.push_back(static_cast<Index>(i == kNone ? LineRole::Between : role(features.curves[i])));
-        }
-        return std::make_shared<const EvenStreamlinesHandle>(
-            EvenStreamlinesHandle{mesh, std::move(lines), std::move(roles)});
-      });
+  return [mesh = field.mesh, values = field.field, given = std::move(given), spacing, topology](Progress& progress) {
+    const FlatFaces& faces = *mesh->flatFaces();
+    checkSpacing(mesh->mesh(), spacing);
+    StreamlineFeatures features;
+    if (topology) {
+      progress.range(0.0, kTopology);
+      features = featuresOf(findTopology(faces, values, {}, &progress));
+      progress.range(kTopology, 1.0);
+    } else {
+      features.fixedPoints = findFixedPoints(values);
+    }
+    features.curves.insert(features.curves.begin(), given.begin(), given.end());
+    EvenStreamlines lines = placeStreamlines(faces, values, spacing, features, &progress);
+    std::vector<Index> roles;
+    for (const Index i : lines.given) {
+      roles.push_back(static_cast<Index>(i == kNone ? LineRole::Between : role(features.curves[i])));
+    }
+    return std::make_shared<const EvenStreamlinesHandle>(
+        EvenStreamlinesHandle{mesh, std::move(lines), std::move(roles)});
+  };
 }
 
 }  // namespace
@@ -107,20 +109,21 @@ void bind_streamlines(py::module_& m) {
           "gaps", [](const EvenStreamlinesHandle& self) { return positionsOf(self.mesh->mesh(), self.lines.gaps); },
           "(g, 3) float64, places where no line could be drawn although the field flows; mostly none.");
 
-  bindJob<StreamlinesJob>(m, "StreamlinesJob", "Placement of evenly spaced streamlines; result() is EvenStreamlines.",
-                          [](const std::shared_ptr<const EvenStreamlinesHandle>& result) {
-                            return std::const_pointer_cast<EvenStreamlinesHandle>(result);
-                          });
-  m.def(
-      "start_evenly_spaced_streamlines", &start, py::arg("field"), py::arg("distance"), py::kw_only(),
-      py::arg("topology") = true, py::arg("curves") = py::tuple(), py::arg("min_speed") = EvenSpacing{}.minSpeed,
-      "Evenly spaced streamlines of a VectorField, topology first (thesis 3.4) -> StreamlinesJob.\n\n"
-      "distance: between lines, mesh units. topology: whether the field's periodic orbits and separatrices are found\n"
-      "and drawn first; given is then their number after the curves: orbits, then separatrices. Without, lines begin\n"
-      "around fixed points. curves: more known streamlines that the others leave room, each (faces (k,) int32,\n"
-      "barycentric (k, 3) float64, closed, against_flow), from the end that stays. min_speed: fraction of the\n"
-      "fastest vertex's speed below which the field counts as still. The same result for any number of threads.\n"
-      "result() raises InputError and Cancelled.");
+  bindJob<EvenStreamlinesPointer>(
+      m, "StreamlinesJob", "Evenly spaced streamlines that are being placed.",
+      [](const EvenStreamlinesPointer& result) { return std::const_pointer_cast<EvenStreamlinesHandle>(result); })
+      .def(m, "evenly_spaced_streamlines", &prepare,
+           "Evenly spaced streamlines of a VectorField, topology first (thesis 3.4) -> EvenStreamlines.\n\n"
+           "distance: between lines, mesh units. topology: whether the field's periodic orbits and separatrices are\n"
+           "found and drawn first; given is then their number after the curves: orbits, then separatrices. Without,\n"
+           "lines begin around fixed points. curves: more known streamlines that the others leave room, each (faces\n"
+           "(k,) int32, barycentric (k, 3) float64, closed, against_flow), from the end that stays. min_speed: "
+           "fraction\n"
+           "of the fastest vertex's speed below which the field counts as still. The same result for any number of "
+           "threads.\n"
+           "Raises InputError and Cancelled.",
+           py::arg("field"), py::arg("distance"), py::kw_only(), py::arg("topology") = true,
+           py::arg("curves") = py::tuple(), py::arg("min_speed") = EvenSpacing().minSpeed);
 }
 
 }  // namespace stormfield::bindings

@@ -11,7 +11,8 @@ namespace {
 
 using Coordinates = std::shared_ptr<const AdvectedCoordinates>;
 using ProgressPointer = std::shared_ptr<Progress>;
-using FramesJob = Job<std::vector<AdvectedFrame>>;
+
+using FrameArrays = py::typing::Tuple<py::array_t<float>, py::array_t<float>, py::array_t<float>>;
 
 /// Python's AdvectedCoordinates; it shares what it needs with the jobs it starts.
 struct CoordinatesHandle {
@@ -22,20 +23,20 @@ struct StreamFunctions {
   py::ssize_t samples, vertices;
   std::vector<double> values;
 };
-using StreamFunctionsJob = Job<StreamFunctions>;
 
-CoordinatesHandle makeCoordinates(const ParameterizedFieldHandle& field, const py::object& frames,
-                                  const py::object& lambdas, double framesPerSecond, double period, double speed,
-                                  double deadZone, double renewal, double tolerance, std::uint64_t seed,
-                                  double staggerCycles, double staggerFrequency, const py::object& offsets) {
+CoordinatesHandle makeCoordinates(const ParameterizedFieldHandle& field, const ArrayArgument<double>& frames,
+                                  const ArrayArgument<double>& lambdas, double framesPerSecond, double period,
+                                  double speed, double deadZone, double renewal, double tolerance, std::uint64_t seed,
+                                  double staggerCycles, double staggerFrequency,
+                                  const std::optional<ArrayArgument<double>>& offsets) {
   const auto f = inputArray<double>(frames, "frames", {kAny});
   const auto l = inputArray<double>(lambdas, "lambdas", {f.shape(0)});
   const TriangleMesh& mesh = field.mesh->mesh();
   std::vector<double> o;
-  if (!offsets.is_none()) o = toVector(inputArray<double>(offsets, "offsets", {mesh.vertexCount()}));
+  if (offsets) o = toVector(inputArray(*offsets, "offsets", {mesh.vertexCount()}));
   const AdvectionOptions options{framesPerSecond, period, speed, deadZone, renewal, tolerance, seed};
   const std::vector<double> frameNumbers = toVector(f), lambdaValues = toVector(l);
-  const bool noise = offsets.is_none();
+  const bool noise = !offsets;
   const py::gil_scoped_release release;
   if (noise) o = stagger(mesh, {staggerCycles, staggerFrequency, seed}, deadZone);
   return {std::make_shared<const AdvectedCoordinates>(field.mesh->flatFaces(),
@@ -43,7 +44,7 @@ CoordinatesHandle makeCoordinates(const ParameterizedFieldHandle& field, const p
                                                       frameNumbers, lambdaValues, options, std::move(o))};
 }
 
-py::tuple toPython(const AdvectedFrame& frame) {
+FrameArrays toPython(const AdvectedFrame& frame) {
   const auto n = static_cast<py::ssize_t>(frame.blend.size());
   const auto coordinates = [&](const std::vector<float>& values) {
     return py::array_t<float>({n, py::ssize_t{3}}, values.data());
@@ -51,7 +52,7 @@ py::tuple toPython(const AdvectedFrame& frame) {
   return py::make_tuple(coordinates(frame.phaseA), coordinates(frame.phaseB), copied(frame.blend));
 }
 
-py::tuple oneFrame(const CoordinatesHandle& self, double frame, const ProgressPointer& progress) {
+FrameArrays oneFrame(const CoordinatesHandle& self, double frame, const ProgressPointer& progress) {
   AdvectedFrame result;
   {
     const py::gil_scoped_release release;
@@ -60,8 +61,8 @@ py::tuple oneFrame(const CoordinatesHandle& self, double frame, const ProgressPo
   return toPython(result);
 }
 
-std::shared_ptr<FramesJob> startFrames(const CoordinatesHandle& self, const std::vector<double>& frames) {
-  return std::make_shared<FramesJob>([coordinates = self.coordinates, frames](Progress& progress) {
+Work<std::vector<AdvectedFrame>> prepareFrames(const CoordinatesHandle& self, const std::vector<double>& frames) {
+  return [coordinates = self.coordinates, frames](Progress& progress) {
     std::vector<AdvectedFrame> result;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       progress.check();
@@ -70,24 +71,27 @@ std::shared_ptr<FramesJob> startFrames(const CoordinatesHandle& self, const std:
       progress.report(static_cast<double>(i + 1) / static_cast<double>(frames.size()));
     }
     return result;
-  });
+  };
 }
 
-py::dict carriedError(const CoordinatesHandle& self, double frame, Index samples) {
+py::typing::Dict<std::string, double> carriedError(const CoordinatesHandle& self, double frame, Index samples) {
   CarriedError error;
   {
     const py::gil_scoped_release release;
     error = self.coordinates->error(frame, samples);
   }
-  py::dict result;
+  py::typing::Dict<std::string, double> result;
   result["mean"] = error.mean;
   result["largest"] = error.largest;
   result["mean_between"] = error.meanBetween;
   return result;
 }
 
-StreamFunctions solveStreamFunctions(const ParameterizedField& field, Progress* progress) {
-  return {field.sampleCount(), field.vertexCount(), streamFunctions(field, progress)};
+Work<StreamFunctions> prepareStreamFunctions(const ParameterizedFieldHandle& field) {
+  auto copy = std::make_shared<const ParameterizedField>(field.field);
+  return [copy](Progress& progress) {
+    return StreamFunctions{copy->sampleCount(), copy->vertexCount(), streamFunctions(*copy, &progress)};
+  };
 }
 
 py::array_t<double> toArray(const StreamFunctions& psi) {
@@ -97,21 +101,15 @@ py::array_t<double> toArray(const StreamFunctions& psi) {
 void bindCoordinates(py::module_& m) {
   const AdvectionOptions defaults;
   const StaggerOptions noise;
-  bindJob<FramesJob>(m, "AdvectionJob",
-                     "Runs AdvectedCoordinates.start; its result is a list of (phase_a, phase_b, blend).",
-                     [](const std::vector<AdvectedFrame>& frames) {
-                       py::list result;
-                       for (const AdvectedFrame& frame : frames) result.append(toPython(frame));
-                       return result;
-                     });
-  py::class_<CoordinatesHandle>(
+  py::class_<CoordinatesHandle> handles(
       m, "AdvectedCoordinates", py::module_local(),
       "Texture coordinates that flow with an advection field: two phases per vertex, each the place where the "
       "material\n"
       "of the vertex was when its cycle began, plus a random vector per cycle. Every frame is computed from scratch, "
       "so\n"
       "any part of an animation gives the same bytes. Shaders blend the texture T (mean m) of both phases as\n"
-      "m + (w_a (T(a) - m) + w_b (T(b) - m)) / sqrt(w_a^2 + w_b^2) with w_b = blend, w_a = 1 - blend.")
+      "m + (w_a (T(a) - m) + w_b (T(b) - m)) / sqrt(w_a^2 + w_b^2) with w_b = blend, w_a = 1 - blend.");
+  handles
       .def(
           py::init(&makeCoordinates), py::arg("field"), py::arg("frames"), py::arg("lambdas"), py::kw_only(),
           py::arg("frames_per_second") = defaults.framesPerSecond, py::arg("period") = defaults.period,
@@ -132,7 +130,6 @@ void bindCoordinates(py::module_& m) {
           "offsets are too steep for the dead zone.")
       .def("frame", &oneFrame, py::arg("frame"), py::arg("progress") = ProgressPointer(),
            "(phase_a (n, 3) float32, phase_b (n, 3) float32, blend (n,) float32) of one frame. Raises Cancelled.")
-      .def("start", &startFrames, py::arg("frames"), "The frames of a list on other threads: an AdvectionJob to watch.")
       .def("error", &carriedError, py::arg("frame"), py::arg("samples") = 1000,
            "Distance to much finer traces in mean edge lengths: mean and largest at vertices, and mean_between, the "
            "mean\n"
@@ -140,37 +137,29 @@ void bindCoordinates(py::module_& m) {
       .def_property_readonly(
           "offsets", [](const CoordinatesHandle& self) { return copied(self.coordinates->offsets()); },
           "(n,) float64, phase offset of each vertex in periods.");
+  bindJob<std::vector<AdvectedFrame>>(m, "AdvectionJob", "Frames of AdvectedCoordinates that are being made.",
+                                      [](const std::vector<AdvectedFrame>& frames) {
+                                        py::typing::List<FrameArrays> result;
+                                        for (const AdvectedFrame& frame : frames) result.append(toPython(frame));
+                                        return result;
+                                      })
+      .def(handles, "frames", &prepareFrames,
+           "A list of (phase_a (n, 3) float32, phase_b (n, 3) float32, blend (n,) float32), one per frame. Raises "
+           "Cancelled.",
+           py::arg("frames"));
 }
 
 }  // namespace
 
 void bind_texture(py::module_& m) {
   bindCoordinates(m);
-  bindJob<StreamFunctionsJob>(m, "StreamFunctionsJob", "Runs start_stream_functions; its result is (s, n) float64.",
-                              [](const StreamFunctions& psi) { return toArray(psi); });
-  m.def(
-      "stream_functions",
-      [](const ParameterizedFieldHandle& field, const ProgressPointer& progress) {
-        StreamFunctions psi;
-        {
-          const py::gil_scoped_release release;
-          psi = solveStreamFunctions(field.field, progress.get());
-        }
-        return toArray(psi);
-      },
-      py::arg("field"), py::arg("progress") = ProgressPointer(),
-      "Stream function of every sample of a ParameterizedField, (s, n) float64, squared mesh units per second: the "
-      "flow's\n"
-      "rotational part follows its level curves and has larger values on its left. Mean zero on each component, and\n"
-      "continuous in lambda.");
-  m.def(
-      "start_stream_functions",
-      [](const ParameterizedFieldHandle& field) {
-        auto copy = std::make_shared<const ParameterizedField>(field.field);
-        return std::make_shared<StreamFunctionsJob>(
-            [copy](Progress& progress) { return solveStreamFunctions(*copy, &progress); });
-      },
-      py::arg("field"), "stream_functions on other threads: a StreamFunctionsJob to watch.");
+  bindJob<StreamFunctions>(m, "StreamFunctionsJob", "Stream functions that are being solved for.",
+                           [](const StreamFunctions& psi) { return toArray(psi); })
+      .def(m, "stream_functions", &prepareStreamFunctions,
+           "Stream function of every sample of a ParameterizedField, (s, n) float64, squared mesh units per second.\n\n"
+           "The flow's rotational part follows its level curves and has larger values on its left. Mean zero on each\n"
+           "component, and continuous in lambda. Raises Cancelled.",
+           py::arg("field"));
 }
 
 }  // namespace stormfield::bindings

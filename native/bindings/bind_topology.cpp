@@ -45,32 +45,30 @@ struct SeparatrixHandle {
   const Separatrix* separatrix;
 };
 
-py::tuple entityTuple(const EntityRef& entity) {
-  constexpr const char* kKinds[] = {"none", "fixed_point", "periodic_orbit", "boundary"};
-  const char* kind = kKinds[static_cast<int>(entity.kind)];
-  if (entity.index == kNone) return py::make_tuple(kind, py::none());
-  return py::make_tuple(kind, entity.index);
+/// (kind, number).
+using EntityTuple = py::typing::Tuple<EntityKind, std::optional<Index>>;
+
+EntityTuple entityTuple(const EntityRef& entity) {
+  return py::make_tuple(entity.kind, entity.index == kNone ? std::nullopt : std::optional<Index>(entity.index));
 }
 
-std::shared_ptr<Job<TopologyHandle>> startTopology(const FieldHandle& field, double relativeTolerance, double tolerance,
-                                                   double bandTolerance, Index maxSteps,
-                                                   const std::shared_ptr<Progress>& progress) {
+Work<TopologyHandle> prepareTopology(const FieldHandle& field, double relativeTolerance, double tolerance,
+                                     double bandTolerance, Index maxSteps) {
   TopologyOptions options;
   options.fixedPoints.relativeTolerance = relativeTolerance;
   options.tolerance = tolerance;
   options.bandTolerance = bandTolerance;
   options.maxSteps = maxSteps;
-  // The job outlives the arguments, so it works on a copy.
-  auto work = [mesh = field.mesh, own = std::make_shared<const VectorField>(field.field), options](Progress& p) {
+  // The work outlives the arguments, so it has a copy.
+  return [mesh = field.mesh, own = std::make_shared<const VectorField>(field.field), options](Progress& p) {
     auto topology = std::make_shared<const Topology>(findTopology(*mesh->flatFaces(), *own, options, &p));
     return TopologyHandle{mesh, topology};
   };
-  return std::make_shared<Job<TopologyHandle>>(work, progress);
 }
 
 template <typename Handle, typename Item>
-py::list handles(const TopologyHandle& self, const std::vector<Item>& items) {
-  py::list result;
+py::typing::List<Handle> handles(const TopologyHandle& self, const std::vector<Item>& items) {
+  py::typing::List<Handle> result;
   for (const Item& item : items) result.append(Handle{self.mesh, self.topology, &item});
   return result;
 }
@@ -89,7 +87,7 @@ void bindCurves(py::module_& m) {
           "the fixed points' indices these add up to the Euler characteristic.");
   py::class_<OrbitHandle>(m, "PeriodicOrbit", py::module_local(), "A closed streamline. Immutable.")
       .def_property_readonly(
-          "kind", [](const OrbitHandle& o) { return name(o.orbit->kind); },
+          "kind", [](const OrbitHandle& o) { return o.orbit->kind; },
           "attracting, repelling, center (one of a band of closed streamlines) or degenerate (attracting on one side).")
       .def_property_readonly(
           "points", [](const OrbitHandle& o) { return positionsOf(o.mesh->mesh(), o.orbit->points); },
@@ -159,7 +157,7 @@ void bindResult(py::module_& m) {
       .def_property_readonly(
           "links",
           [](const TopologyHandle& self) {
-            py::list result;
+            py::typing::List<py::typing::Tuple<EntityTuple, EntityTuple, std::vector<Index>>> result;
             for (const EntityLink& link : self.topology->links) {
               result.append(py::make_tuple(entityTuple(link.source), entityTuple(link.target), link.separatrices));
             }
@@ -176,8 +174,21 @@ void bindResult(py::module_& m) {
           "Number of vertices with a zero vector.")
       .def_property_readonly(
           "seconds", [](const TopologyHandle& self) { return self.topology->seconds; }, "dict, seconds by phase.");
-  bindJob<Job<TopologyHandle>>(m, "TopologyJob", "The search for a field's topology.",
-                               [](const TopologyHandle& result) { return result; });
+  const TopologyOptions defaults;
+  bindJob<TopologyHandle>(m, "TopologyJob", "The search for a field's topology.",
+                          [](const TopologyHandle& result) { return result; })
+      .def(
+          m, "topology", &prepareTopology,
+          "The whole topology of a VectorField (thesis 2.2, 3.1, 3.2) -> Topology.\n\n"
+          "relative_tolerance: as in fixed_points. tolerance: of one step of a streamline, in mean edge lengths.\n"
+          "band_tolerance: a closed streamline whose neighbours, half an edge away, return to within this fraction of\n"
+          "that distance stands for a band. max_steps: integration steps, as a rule one for each face, after which a\n"
+          "streamline ends in nothing known. The same result for any number of threads. Memory: about 500 bytes per "
+          "face, the\n"
+          "mesh included (2.5 GB for 5 million faces). Raises InputError and Cancelled.",
+          py::arg("field"), py::kw_only(), py::arg("relative_tolerance") = defaults.fixedPoints.relativeTolerance,
+          py::arg("tolerance") = defaults.tolerance, py::arg("band_tolerance") = defaults.bandTolerance,
+          py::arg("max_steps") = defaults.maxSteps);
 }
 
 }  // namespace
@@ -193,7 +204,7 @@ void bind_topology(py::module_& m) {
           "position", [](const FixedPoint& p) { return vectorArray(p.position); }, "(3,) float64, mesh units.")
       .def_readonly("index", &FixedPoint::index, "Poincare index.")
       .def_property_readonly(
-          "kind", [](const FixedPoint& p) { return name(p.kind); }, "source, sink, saddle, center or degenerate.")
+          "kind", [](const FixedPoint& p) { return p.kind; }, "source, sink, saddle, center or degenerate.")
       .def_property_readonly("jacobian", &jacobianArray, "(2, 2) float64 in the flat frame of the face, 1/s.")
       .def_readonly("rotation", &FixedPoint::rotation, "Curl, 1/s: > 0 is counter-clockwise seen from outside.")
       .def_property_readonly(
@@ -208,7 +219,7 @@ void bind_topology(py::module_& m) {
       .def_property_readonly(
           "separatrix_directions",
           [](const FixedPoint& p) {
-            py::list result;
+            py::typing::List<py::typing::Tuple<py::array_t<double>, bool>> result;
             for (const SeparatrixDirection& d : p.separatrices) {
               result.append(py::make_tuple(vectorArray(d.inSpace), d.outgoing));
             }
@@ -219,25 +230,13 @@ void bind_topology(py::module_& m) {
         return message("<FixedPoint ", name(p.kind), " index ", p.index, " in face ", p.point.face, ">");
       });
 
-  m.def("fixed_points", &fixedPoints, py::arg("field"), py::arg("relative_tolerance") = 1e-3,
+  m.def("fixed_points", &fixedPoints, py::arg("field"),
+        py::arg("relative_tolerance") = FixedPointOptions().relativeTolerance,
         "Fixed points of a VectorField, in face order. relative_tolerance: |trace| below this fraction of the rotation "
         "counts\n"
         "as a center, |det| below its square (relative to the Jacobian) as degenerate.");
   bindCurves(m);
   bindResult(m);
-  const TopologyOptions defaults;
-  m.def("start_topology", &startTopology, py::arg("field"), py::kw_only(),
-        py::arg("relative_tolerance") = defaults.fixedPoints.relativeTolerance,
-        py::arg("tolerance") = defaults.tolerance, py::arg("band_tolerance") = defaults.bandTolerance,
-        py::arg("max_steps") = defaults.maxSteps, py::arg("progress") = std::shared_ptr<Progress>(),
-        "Find the whole topology of a VectorField on a thread of its own -> TopologyJob.\n\n"
-        "relative_tolerance: as in fixed_points. tolerance: of one step of a streamline, in mean edge lengths.\n"
-        "band_tolerance: a closed streamline whose neighbours, half an edge away, return within this fraction of that\n"
-        "distance stands for a band. max_steps: integration steps, as a rule one for each face, after\n"
-        "which a streamline ends in nothing known.\n"
-        "The same result for any number of threads. Memory: about 500 bytes per face, the mesh included (2.5 GB for 5 "
-        "million faces).\n"
-        "result() raises InputError and Cancelled.");
 }
 
 }  // namespace stormfield::bindings

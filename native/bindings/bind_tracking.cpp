@@ -18,14 +18,12 @@ struct PathView {
   const TrackedPath& path() const { return tracking->paths[number]; }
 };
 
-std::shared_ptr<Job<TrackingPointer>> startTracking(const ParameterizedFieldHandle& field, double relativeTolerance,
-                                                    double hopfDamping, double chordTolerance,
-                                                    const std::shared_ptr<Progress>& progress) {
+Work<TrackingPointer> prepareTracking(const ParameterizedFieldHandle& field, double relativeTolerance,
+                                      double hopfDamping, double chordTolerance) {
   const TrackingOptions options{relativeTolerance, hopfDamping, chordTolerance};
-  // The job outlives the argument, so it works on a copy.
+  // The work outlives the argument, so it has a copy.
   auto copy = std::make_shared<const ParameterizedField>(field.field);
-  return std::make_shared<Job<TrackingPointer>>(
-      [=](Progress& p) { return std::make_shared<const Tracking>(trackFixedPoints(*copy, options, p)); }, progress);
+  return [=](Progress& p) { return std::make_shared<const Tracking>(trackFixedPoints(*copy, options, p)); };
 }
 
 std::vector<PathView> views(const TrackingPointer& tracking) {
@@ -34,11 +32,15 @@ std::vector<PathView> views(const TrackingPointer& tracking) {
   return result;
 }
 
-const char* beginName(PathEnd end) {
-  return end == PathEnd::Range ? "first" : end == PathEnd::Boundary ? "boundary" : "creation";
+/// What an end of a path is called depends on which one it is.
+using BeginWord = py::typing::Literal<"'first'", "'boundary'", "'creation'">;
+using EndWord = py::typing::Literal<"'last'", "'boundary'", "'annihilation'">;
+
+BeginWord beginName(PathEnd end) {
+  return py::str(end == PathEnd::Range ? "first" : end == PathEnd::Boundary ? "boundary" : "creation");
 }
-const char* endName(PathEnd end) {
-  return end == PathEnd::Range ? "last" : end == PathEnd::Boundary ? "boundary" : "annihilation";
+EndWord endName(PathEnd end) {
+  return py::str(end == PathEnd::Range ? "last" : end == PathEnd::Boundary ? "boundary" : "annihilation");
 }
 
 /// (k, columns) from the k samples of a path.
@@ -55,9 +57,9 @@ py::array_t<T> column(const PathView& view, py::ssize_t columns, const Get& get)
   return result;
 }
 
-std::vector<std::string> kinds(const PathView& view) {
-  std::vector<std::string> result;
-  for (const PathSample& sample : view.path().samples) result.emplace_back(name(sample.kind));
+std::vector<FixedPointKind> kinds(const PathView& view) {
+  std::vector<FixedPointKind> result;
+  for (const PathSample& sample : view.path().samples) result.push_back(sample.kind);
   return result;
 }
 
@@ -78,7 +80,7 @@ void bindPath(py::module_& m) {
       .def_property_readonly(
           "index", [](const PathView& v) { return v.path().index; }, "Poincare index, +1 or -1.")
       .def_property_readonly(
-          "kind", [](const PathView& v) { return name(v.path().kind); },
+          "kind", [](const PathView& v) { return v.path().kind; },
           "source, sink, saddle, center or degenerate: what it is for the longest share of its life.")
       .def_property_readonly(
           "begin", [](const PathView& v) { return beginName(v.path().begin); }, "first, boundary or creation.")
@@ -125,7 +127,7 @@ void bindPath(py::module_& m) {
 
 void bindBifurcation(py::module_& m) {
   py::class_<Bifurcation>(m, "Bifurcation", py::module_local(), "Where the topology changes. Immutable.")
-      .def_readonly("lam", &Bifurcation::lambda)
+      .def_readonly("lam", &Bifurcation::lambda, "Where on the lambda axis, 0 to 1.")
       .def_property_readonly(
           "face", [](const Bifurcation& b) { return b.point.face; }, "Face that holds the point.")
       .def_property_readonly(
@@ -133,9 +135,9 @@ void bindBifurcation(py::module_& m) {
       .def_property_readonly(
           "position", [](const Bifurcation& b) { return vectorArray(b.position); }, "(3,) float64, mesh units.")
       .def_property_readonly(
-          "kind", [](const Bifurcation& b) { return name(b.kind); }, "creation, annihilation or hopf.")
+          "kind", [](const Bifurcation& b) { return b.kind; }, "creation, annihilation or hopf.")
       .def_property_readonly(
-          "node", [](const Bifurcation& b) { return name(b.node); },
+          "node", [](const Bifurcation& b) { return b.node; },
           "Source or sink that meets the saddle; hopf: what the path becomes.")
       .def_property_readonly("paths", &pathsOf, "Numbers of the node's and the saddle's path; hopf: of one path.")
       .def("__repr__",
@@ -166,18 +168,17 @@ void bind_tracking(py::module_& m) {
           "path,\n"
           "so that the sum of indices stays; then without those weaker than min_strength (1/s).");
 
-  bindJob<Job<TrackingPointer>>(
-      m, "TrackingJob", "Tracking on a thread of its own.",
-      [](const TrackingPointer& tracking) { return std::const_pointer_cast<Tracking>(tracking); });
-
-  m.def("start_tracking", &startTracking, py::arg("field"), py::kw_only(), py::arg("relative_tolerance") = 1e-3,
-        py::arg("hopf_damping") = 0.02, py::arg("chord_tolerance") = 0.02, py::arg("progress") = py::none(),
-        "Follow every fixed point of a ParameterizedField over lambda: a TrackingJob, whose result is a Tracking.\n"
-        "relative_tolerance: as for fixed_points. hopf_damping: a Hopf bifurcation is listed once |trace| / (2 "
-        "sqrt(det))\n"
-        "has exceeded this on both sides. chord_tolerance: samples are added until the curves differ from their chords "
-        "by\n"
-        "less than this fraction of the mean edge length.");
+  const TrackingOptions defaults;
+  bindJob<TrackingPointer>(m, "TrackingJob", "Tracking on a thread of its own.",
+                           [](const TrackingPointer& tracking) { return std::const_pointer_cast<Tracking>(tracking); })
+      .def(m, "tracking", &prepareTracking,
+           "Follow every fixed point of a ParameterizedField over lambda (thesis 10.1.4) -> Tracking.\n\n"
+           "relative_tolerance: as for fixed_points. hopf_damping: a Hopf bifurcation is listed once |trace| / (2\n"
+           "sqrt(det)) has exceeded this on both sides. chord_tolerance: samples are added until the curves differ "
+           "from\n"
+           "their chords by less than this fraction of the mean edge length. Raises InputError and Cancelled.",
+           py::arg("field"), py::kw_only(), py::arg("relative_tolerance") = defaults.relativeTolerance,
+           py::arg("hopf_damping") = defaults.hopfDamping, py::arg("chord_tolerance") = defaults.chordTolerance);
 }
 
 }  // namespace stormfield::bindings

@@ -8,7 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "base/progress.h"
 #include "bindings/arrays.h"
+#include "bindings/words.h"
 #include "field/parameterized_field.h"
 #include "mesh/closest_point.h"
 #include "tracing/flat_faces.h"
@@ -48,6 +50,14 @@ class MeshHandle {
   mutable std::shared_ptr<const FlatFaces> flatFaces_;
 };
 
+/// Arrays vertices (n, 3) float64 and triangles (m, 3) int32, and the mesh and charts of them.
+struct MeshArrays {
+  Points points;
+  Triangles triangles;
+};
+MeshArrays inputMesh(const ArrayArgument<double>& vertices, const ArrayArgument<Index>& triangles);
+std::shared_ptr<MeshHandle> builtMesh(const MeshArrays& arrays, Progress& progress);
+
 /// Python's VectorField and ParameterizedField: with the mesh object they were made on.
 struct FieldHandle {
   std::shared_ptr<MeshHandle> mesh;
@@ -59,7 +69,7 @@ struct ParameterizedFieldHandle {
 };
 
 /// Arrays faces (k,) int32 and barycentric (k, 3) float64 as checked surface points.
-std::vector<SurfacePoint> inputSurfacePoints(const TriangleMesh& mesh, const py::object& faces,
-                                             const py::object& barycentric);
+std::vector<SurfacePoint> inputSurfacePoints(const TriangleMesh& mesh, const ArrayArgument<Index>& faces,
+                                             const ArrayArgument<double>& barycentric);
 
 }  // namespace stormfield::bindings

@@ -11,11 +11,12 @@
 namespace stormfield {
 
 struct DesignOptions {
-  Index samples = 100;
-  double lambdaWeight = 10.0;    ///< omega of thesis eq. 11.3
-  double tolerance = 1e-4;       ///< relative residual of the solve; its accuracy is that of SpaceTimeOptions
-  double evenSpeed = 0.0;        ///< 0: speeds as solved, 1: one speed, falling to 0 at fixed points only
-  double lambdaPerSecond = 1.0;  ///< s in d lambda = s dt, for pathlines
+  Index samples = SpaceTimeOptions().samples;
+  double lambdaWeight = SpaceTimeOptions().lambdaWeight;
+  double tolerance =
+      SpaceTimeOptions().tolerance;  ///< relative residual of the solve; its accuracy is that of SpaceTimeOptions
+  double evenSpeed = 0.0;            ///< 0: speeds as solved, 1: one speed, falling to 0 at fixed points only
+  double lambdaPerSecond = ElementOptions().lambdaPerSecond;  ///< s in d lambda = s dt, for pathlines
 };
 
 /// Keeps what solves on one mesh share, and what each leaves for the next: some five vectors of single precision

@@ -1,6 +1,5 @@
 #include "design/element.h"
 
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -12,20 +11,6 @@
 namespace stormfield {
 
 namespace {
-
-constexpr std::array<const char*, 4> kTypeWords = {"singular", "regular", "streamline", "pathline"};
-constexpr std::array<const char*, 9> kKindWords = {"source",       "sink",           "saddle",
-                                                   "vortex_ccw",   "vortex_cw",      "spiral_in_ccw",
-                                                   "spiral_in_cw", "spiral_out_ccw", "spiral_out_cw"};
-
-template <std::size_t N>
-std::size_t wordIndex(const std::array<const char*, N>& words, const std::string& word, const char* what) {
-  for (std::size_t i = 0; i < N; ++i)
-    if (word == words[i]) return i;
-  std::string known;
-  for (const char* w : words) known += (known.empty() ? "" : ", ") + std::string(w);
-  throw InputError(std::string("unknown ") + what + " \"" + word + "\": use one of " + known);
-}
 
 void checkPositive(const DesignElement& element, double value, const char* what) {
   if (!std::isfinite(value) || value <= 0.0)
@@ -78,21 +63,6 @@ void checkLambdas(const DesignElement& element) {
 }
 
 }  // namespace
-
-const char* name(ElementType type) {
-  return kTypeWords[static_cast<std::size_t>(type)];
-}
-const char* name(SingularKind kind) {
-  return kKindWords[static_cast<std::size_t>(kind)];
-}
-
-ElementType elementType(const std::string& word) {
-  return static_cast<ElementType>(wordIndex(kTypeWords, word, "element type"));
-}
-
-SingularKind singularKind(const std::string& word) {
-  return static_cast<SingularKind>(wordIndex(kKindWords, word, "kind of singular element"));
-}
 
 int poincareIndex(SingularKind kind) {
   return kind == SingularKind::Saddle ? -1 : 1;

@@ -11,10 +11,13 @@
 #include <vector>
 
 #include "base/types.h"
+#include "base/words.h"
 
 namespace stormfield {
 
 enum class ElementType { Singular, Regular, Streamline, Pathline };
+template <>
+inline constexpr Words kWords<ElementType>{"type of element", {"singular", "regular", "streamline", "pathline"}};
 
 enum class SingularKind {
   Source,
@@ -27,6 +30,10 @@ enum class SingularKind {
   SpiralOutCcw,
   SpiralOutCw
 };
+template <>
+inline constexpr Words kWords<SingularKind>{"kind of singular element",
+                                            {"source", "sink", "saddle", "vortex_ccw", "vortex_cw", "spiral_in_ccw",
+                                             "spiral_in_cw", "spiral_out_ccw", "spiral_out_cw"}};
 
 struct DesignElement {
   std::string name;  ///< unique in the design; messages speak of it
@@ -40,12 +47,6 @@ struct DesignElement {
   std::optional<Vec3> direction;  ///< reference direction of the angle, or of a regular element with one point
   bool hard = false;              ///< the inner third of the region is met exactly
 };
-
-/// Words of files and messages: "singular", "vortex_ccw", ... The second kind throws InputError on an unknown word.
-const char* name(ElementType type);
-const char* name(SingularKind kind);
-ElementType elementType(const std::string& word);
-SingularKind singularKind(const std::string& word);
 
 /// +1, or -1 for a saddle.
 int poincareIndex(SingularKind kind);

@@ -16,11 +16,12 @@
 #include "design/log_map_cache.h"
 #include "mesh/vertex_charts.h"
 #include "solver/constraint.h"
+#include "solver/space_time_solver.h"
 
 namespace stormfield {
 
 struct ElementOptions {
-  Index samples = 100;
+  Index samples = SpaceTimeOptions().samples;
   /// s in d lambda = s dt, 1/s: converts the speed of pathlines along lambda to mesh units per second.
   double lambdaPerSecond = 1.0;
   /// Weight in the middle of a region, in units of 1 / radius^2 (lengths relative to the mesh size): the solved field

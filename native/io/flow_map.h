@@ -11,12 +11,15 @@
 
 #include <vector>
 
+#include "base/words.h"
 #include "field/vector_field.h"
 #include "io/uv_raster.h"
 
 namespace stormfield {
 
 enum class FlowMapBasis { Uv, Object };
+template <>
+inline constexpr Words kWords<FlowMapBasis>{"basis", {"uv", "object"}};
 
 struct FlowMapImage {
   Index width = 0, height = 0;

@@ -5,12 +5,16 @@
 #include <optional>
 #include <vector>
 
+#include "base/words.h"
+
 namespace stormfield {
 
 enum class TauUnit {
   Time,    ///< seconds: phi is the flow of V
   Length,  ///< mesh units: phi is the flow of V at unit speed, which has the same trajectories (unit_speed_flow.h)
 };
+template <>
+inline constexpr Words kWords<TauUnit>{"unit of tau", {"time", "length"}};
 
 /// The error of a field: the vector at vertex v is known up to epsilon * weights[v], mesh units per second.
 struct FieldError {

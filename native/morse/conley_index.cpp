@@ -160,26 +160,6 @@ MorseKind kindOf(const ConleyIndex& index) {
   return index == ConleyIndex{} ? MorseKind::Trivial : MorseKind::Other;
 }
 
-const char* name(MorseKind kind) {
-  switch (kind) {
-    case MorseKind::Source:
-      return "source";
-    case MorseKind::Sink:
-      return "sink";
-    case MorseKind::Saddle:
-      return "saddle";
-    case MorseKind::Attracting:
-      return "attracting";
-    case MorseKind::Repelling:
-      return "repelling";
-    case MorseKind::Trivial:
-      return "trivial";
-    case MorseKind::Other:
-      break;
-  }
-  return "other";
-}
-
 ConleyIndex conleyIndex(const TriangleMesh& mesh, const FaceSets& sets, Index set, const IndexPair& pair) {
   checkPair(mesh, sets, set, pair);
   FaceComplex n(mesh, sets, set, pair.corners);

@@ -24,6 +24,7 @@
 //   kindOf(index) == MorseKind::Trivial;      // (0, 0, 0)
 #pragma once
 
+#include "base/words.h"
 #include "mesh/triangle_mesh.h"
 #include "morse/index_sets.h"
 
@@ -47,9 +48,11 @@ enum class MorseKind {
   Other        ///< more than one of them
 };
 
+template <>
+inline constexpr Words kWords<MorseKind>{"kind of Morse set",
+                                         {"source", "sink", "saddle", "attracting", "repelling", "trivial", "other"}};
+
 MorseKind kindOf(const ConleyIndex& index);
-/// Lower-case word used in files and messages.
-const char* name(MorseKind kind);
 
 /// Where flow leaves N over a boundary edge, seen along the halfedge in N. AtTail and AtHead: over the piece of the
 /// edge from that end to a sign change of the field across it. The closed piece belongs to L, its end included.

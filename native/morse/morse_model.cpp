@@ -7,25 +7,6 @@
 
 namespace stormfield {
 
-const char* name(MorseMethod method) {
-  switch (method) {
-    case MorseMethod::Tau:
-      return "tau";
-    case MorseMethod::Spatial:
-      return "spatial";
-    case MorseMethod::Geometry:
-      break;
-  }
-  return "geometry";
-}
-
-MorseMethod morseMethod(const std::string& word) {
-  for (const MorseMethod method : {MorseMethod::Geometry, MorseMethod::Tau, MorseMethod::Spatial}) {
-    if (word == name(method)) return method;
-  }
-  throw InputError(message("there is no Morse method '", word, "'; choose geometry, tau or spatial"));
-}
-
 std::optional<std::vector<double>> MorseModel::findPersistence(const MorseDecomposition& /*morse*/,
                                                                Progress& /*progress*/) {
   return std::nullopt;

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "base/words.h"
 #include "maps/combinatorial_map.h"
 #include "morse/morse_decomposition.h"
 #include "morse/refinement_stop.h"
@@ -28,10 +29,8 @@ enum class MorseMethod {
   Tau,       ///< the flow for a time tau
   Spatial    ///< the flow for an arc length tau
 };
-
-/// Lower-case word used in files and messages; and back (throws InputError).
-const char* name(MorseMethod method);
-MorseMethod morseMethod(const std::string& name);
+template <>
+inline constexpr Words kWords<MorseMethod>{"Morse method", {"geometry", "tau", "spatial"}};
 
 class MorseModel {
  public:

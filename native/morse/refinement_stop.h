@@ -1,6 +1,8 @@
 // Why a refinement of Morse sets went no further.
 #pragma once
 
+#include "base/words.h"
+
 namespace stormfield {
 
 enum class RefinementStop {
@@ -10,8 +12,8 @@ enum class RefinementStop {
   Memory,     ///< more would not fit into the memory allowed
   Cancelled,  ///< the caller's Progress was cancelled; the sets are those of the last complete round
 };
-
-/// Lower-case word used in files and messages.
-const char* name(RefinementStop stop);
+template <>
+inline constexpr Words kWords<RefinementStop>{"reason to stop refining",
+                                              {"done", "steps", "time", "memory", "cancelled"}};
 
 }  // namespace stormfield

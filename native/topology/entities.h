@@ -8,11 +8,15 @@
 #include <array>
 #include <vector>
 
+#include "base/words.h"
 #include "mesh/surface_point.h"
 
 namespace stormfield {
 
 enum class FixedPointKind { Source, Sink, Saddle, Center, Degenerate };
+template <>
+inline constexpr Words kWords<FixedPointKind>{"kind of fixed point",
+                                              {"source", "sink", "saddle", "center", "degenerate"}};
 
 /// Where a trajectory leaves or enters a fixed point between two hyperbolic sectors. At an ordinary saddle these are
 /// the two directions of each eigenvector.
@@ -44,6 +48,8 @@ enum class OrbitKind {
   Center,      ///< one of a whole band of closed streamlines
   Degenerate,  ///< attracting on one side and repelling on the other
 };
+template <>
+inline constexpr Words kWords<OrbitKind>{"kind of periodic orbit", {"attracting", "repelling", "center", "degenerate"}};
 
 /// A closed streamline (thesis 2.2.1, 3.1).
 struct PeriodicOrbit {
@@ -65,6 +71,8 @@ enum class EntityKind {
   /// trajectory that leaves has no limit set. Separatrices say that they end there.
   Boundary,
 };
+template <>
+inline constexpr Words kWords<EntityKind>{"kind of entity", {"none", "fixed_point", "periodic_orbit", "boundary"}};
 
 struct EntityRef {
   EntityKind kind = EntityKind::None;
@@ -90,9 +98,5 @@ struct EntityLink {
   EntityRef source, target;
   std::vector<Index> separatrices;
 };
-
-/// Lower-case word used in files and messages.
-const char* name(FixedPointKind kind);
-const char* name(OrbitKind kind);
 
 }  // namespace stormfield

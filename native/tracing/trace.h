@@ -5,17 +5,22 @@
 #include <limits>
 #include <vector>
 
+#include "base/words.h"
 #include "mesh/surface_point.h"
 
 namespace stormfield {
 
 enum class Direction { Forward, Backward };
+template <>
+inline constexpr Words kWords<Direction>{"direction", {"forward", "backward"}};
 
 /// What a particle does where the flow leaves the surface.
 enum class BoundaryRule {
   Stop,   ///< the trace ends on the boundary
   Slide,  ///< it follows the tangential component along the boundary until the flow points inwards again
 };
+template <>
+inline constexpr Words kWords<BoundaryRule>{"rule for the boundary", {"stop", "slide"}};
 
 enum class StopReason {
   Time,       ///< maxTime was reached
@@ -25,6 +30,9 @@ enum class StopReason {
   StepLimit,  ///< maxSteps were used
   Visitor,    ///< the caller's visitor returned false
 };
+template <>
+inline constexpr Words kWords<StopReason>{"reason to stop",
+                                          {"time", "length", "min_speed", "boundary", "step_limit", "visitor"}};
 
 struct TraceOptions {
   Direction direction = Direction::Forward;

@@ -4,18 +4,6 @@
 
 namespace stormfield {
 
-const char* name(BifurcationKind kind) {
-  switch (kind) {
-    case BifurcationKind::Creation:
-      return "creation";
-    case BifurcationKind::Annihilation:
-      return "annihilation";
-    case BifurcationKind::Hopf:
-      break;
-  }
-  return "hopf";
-}
-
 FixedPointKind prevailingKind(const std::vector<PathSample>& samples) {
   std::array<double, 5> share{};
   // A path of one sample has no share of lambda: its kind still prevails.

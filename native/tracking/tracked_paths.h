@@ -8,6 +8,7 @@
 #include <array>
 #include <vector>
 
+#include "base/words.h"
 #include "topology/entities.h"
 
 namespace stormfield {
@@ -35,6 +36,8 @@ struct TrackedPath {
 };
 
 enum class BifurcationKind { Creation, Annihilation, Hopf };
+template <>
+inline constexpr Words kWords<BifurcationKind>{"kind of bifurcation", {"creation", "annihilation", "hopf"}};
 
 struct Bifurcation {
   double lambda = 0.0;
@@ -49,9 +52,6 @@ struct Tracking {
   std::vector<TrackedPath> paths;         ///< in the order they begin, those of the first sample by face
   std::vector<Bifurcation> bifurcations;  ///< by lambda
 };
-
-/// Lower-case word used in files and messages.
-const char* name(BifurcationKind kind);
 
 /// The kind with the longest share of lambda; of equal ones the first in the order of the kinds.
 FixedPointKind prevailingKind(const std::vector<PathSample>& samples);

@@ -57,12 +57,12 @@ def bench_streamlines_beside_vtk(cuts):
     random = np.random.default_rng(1)
     faces = random.integers(0, surface.face_count, 12 * SEEDS).astype(np.int32)
     barycentric = random.dirichlet([1.0, 1.0, 1.0], 12 * SEEDS)
-    tried = native.trace_streamlines(field, faces, barycentric, max_length=LENGTH * edge)
+    tried = native.streamlines(field, faces, barycentric, max_length=LENGTH * edge)
     long_enough = np.flatnonzero(np.array(tried.reasons) == "length")[:SEEDS]
     faces, barycentric = faces[long_enough], barycentric[long_enough]
 
     def ours(tolerance):
-        return native.trace_streamlines(
+        return native.streamlines(
             field, faces, barycentric, max_length=LENGTH * edge, tolerance=tolerance, min_speed=1e-9
         )
 

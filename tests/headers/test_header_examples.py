@@ -45,8 +45,7 @@ OWN = {
 using namespace bindings
 extern py::module_ m
 extern py::object toPython(const SpaceTimeResult& result)
-std::shared_ptr<const SpaceTimeSolver> solver
-ConstraintSet constraints
+extern Work<SpaceTimeResult> prepare(const ConstraintSet& constraints)
 """,
     "design/design_solve.h": ELEMENTS,
     "design/element_constraints.h": ELEMENTS,

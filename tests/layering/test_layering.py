@@ -41,7 +41,7 @@ ADDON = {
     "version": [],
     "work": [],
     "compat": [],
-    "native": ["version"],
+    "native": ["model", "version"],
     "solve": ["model", "version", "native"],
     "cache": ["model", "version", "work", "native"],
     "analysis": [*_PLAIN, "cache"],

@@ -108,10 +108,10 @@ def test_trivial_sets_can_be_left_out(nested):
     eps = max(s.persistence for s in decompose(field).sets)
     for every in [decompose(field, keep_empty=True), decompose(field).simplify(0.9 * eps)]:
         wanted = [list(s.faces) for s in every.sets if s.kind != "trivial"]
-        found = every.simplify(every.eps, trivial=False)
+        found = every.simplify(every.eps, keep_trivial=False)
         assert [list(s.faces) for s in found.sets] == wanted
         assert len(found.edges) == 0 or found.edges.max() < len(wanted)
-    assert [list(s.faces) for s in decompose(field, eps=0.9 * eps, trivial=False).sets] == wanted
+    assert [list(s.faces) for s in decompose(field, eps=0.9 * eps, keep_trivial=False).sets] == wanted
 
 
 def test_relative_errors_are_mean_speeds(nested):

@@ -29,13 +29,13 @@ def test_a_mesh_built_in_steps_is_the_same(ball):
 
 def test_faults_of_a_mesh_come_out_of_its_job():
     with pytest.raises(native.MeshError, match="face"):
-        native.start_mesh(np.eye(3), np.array([[0, 1, 7]], np.int32)).result()
+        native.start_triangle_mesh(np.eye(3), np.array([[0, 1, 7]], np.int32)).result()
     with pytest.raises(native.InputError, match="triangles"):
-        native.start_mesh(np.eye(3), np.zeros((1, 2), np.int32))
+        native.start_triangle_mesh(np.eye(3), np.zeros((1, 2), np.int32))
 
 
 def test_a_cancelled_mesh_raises_cancelled(ball):
-    job = native.start_mesh(ball.vertices, ball.triangles)
+    job = native.start_triangle_mesh(ball.vertices, ball.triangles)
     job.cancel()
     with pytest.raises(native.Cancelled):
         job.result()

@@ -88,7 +88,7 @@ def test_a_frame_can_be_watched_and_cancelled(field):
     flow = FlowCoordinates(field, task())
     job = flow.start(5)
     assert set(flow.attributes_of(job.result())) == {PHASE_A, PHASE_B, BLEND} and job.done and job.fraction == 1.0
-    many = flow._coordinates.start([float(f) for f in range(1000)])
+    many = flow._coordinates.start_frames([float(f) for f in range(1000)])
     many.cancel()
     with pytest.raises(native.Cancelled):
         many.result()

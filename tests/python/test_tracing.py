@@ -30,7 +30,7 @@ def split(traces):
 
 def test_circles_of_a_rotating_sphere_close(sphere, rotation):
     faces, barycentric = seeds(sphere, 40)
-    traces = native.trace_streamlines(rotation, faces, barycentric, max_time=2 * np.pi)
+    traces = native.streamlines(rotation, faces, barycentric, max_time=2 * np.pi)
     assert len(traces) == 40 and traces.reasons == ["time"] * 40
     start = sphere.positions(faces, barycentric)
     for i, part in enumerate(split(traces)):
@@ -43,7 +43,7 @@ def test_circles_of_a_rotating_sphere_close(sphere, rotation):
 
 
 def test_points_lie_in_their_faces(sphere, rotation):
-    traces = native.trace_streamlines(rotation, *seeds(sphere, 10), max_length=1.0)
+    traces = native.streamlines(rotation, *seeds(sphere, 10), max_length=1.0)
     np.testing.assert_allclose(sphere.positions(traces.faces, traces.barycentric), traces.points, atol=1e-12)
     assert traces.reasons == ["length"] * 10
     np.testing.assert_allclose(traces.lengths, 1.0)
@@ -51,9 +51,9 @@ def test_points_lie_in_their_faces(sphere, rotation):
 
 def test_backward_returns(sphere, rotation):
     faces, barycentric = seeds(sphere, 10)
-    there = native.trace_streamlines(rotation, faces, barycentric, max_time=1.0, tolerance=1e-8)
+    there = native.streamlines(rotation, faces, barycentric, max_time=1.0, tolerance=1e-8)
     ends = there.offsets[1:] - 1
-    back = native.trace_streamlines(
+    back = native.streamlines(
         rotation, there.faces[ends], there.barycentric[ends], max_time=1.0, tolerance=1e-8, direction="backward"
     )
     np.testing.assert_allclose(back.points[back.offsets[1:] - 1], there.points[there.offsets[:-1]], atol=1e-6)
@@ -64,7 +64,7 @@ def test_pathlines_follow_lambda(sphere, rotation):
     field = native.ParameterizedField(sphere, np.array([0.0, 1.0]), values)
     faces, barycentric = seeds(sphere, 20)
     # Speed rises from 0 to 1 within a second, then stays: an angle of 1/2 after 1 s, 3/2 after 2 s.
-    traces = native.trace_pathlines(field, np.array([0.0, 1.0]), np.array([0.0, 1.0]), faces, barycentric, 0.0, 2.0)
+    traces = native.pathlines(field, np.array([0.0, 1.0]), np.array([0.0, 1.0]), faces, barycentric, 0.0, 2.0)
     assert traces.reasons == ["time"] * 20
     start, end = traces.points[traces.offsets[:-1]], traces.points[traces.offsets[1:] - 1]
     turn = np.angle((end[:, 0] + 1j * end[:, 1]) / (start[:, 0] + 1j * start[:, 1]))
@@ -75,34 +75,34 @@ def test_pathline_of_a_steady_field_is_its_streamline(sphere, rotation):
     field = native.ParameterizedField(sphere, np.array([0.0, 1.0]), np.stack([rotation.values] * 2))
     faces, barycentric = seeds(sphere, 20)
     durations = np.linspace(0.1, 2.0, 20)
-    paths = native.trace_pathlines(
+    paths = native.pathlines(
         field, np.array([0.0, 1.0]), np.array([0.0, 1.0]), faces, barycentric, np.zeros(20), durations, speed=0.5
     )
     for i in range(20):
-        line = native.trace_streamlines(rotation, faces[i : i + 1], barycentric[i : i + 1], max_time=0.5 * durations[i])
+        line = native.streamlines(rotation, faces[i : i + 1], barycentric[i : i + 1], max_time=0.5 * durations[i])
         np.testing.assert_allclose(paths.points[paths.offsets[i + 1] - 1], line.points[-1], atol=1e-5)
 
 
 def test_bad_input_is_named(sphere, rotation):
     faces, barycentric = seeds(sphere, 3)
     with pytest.raises(native.InputError, match="forward or backward"):
-        native.trace_streamlines(rotation, faces, barycentric, direction="up")
+        native.streamlines(rotation, faces, barycentric, direction="up")
     with pytest.raises(native.InputError, match="stop or slide"):
-        native.trace_streamlines(rotation, faces, barycentric, boundary="bounce")
+        native.streamlines(rotation, faces, barycentric, boundary="bounce")
     with pytest.raises(native.InputError, match="float64"):
-        native.trace_streamlines(rotation, faces, barycentric.astype(np.float32))
+        native.streamlines(rotation, faces, barycentric.astype(np.float32))
     with pytest.raises(native.InputError, match="tolerance"):
-        native.trace_streamlines(rotation, faces, barycentric, tolerance=0.0)
+        native.streamlines(rotation, faces, barycentric, tolerance=0.0)
     faces[1] = sphere.face_count
     with pytest.raises(native.InputError):
-        native.trace_streamlines(rotation, faces, barycentric)
+        native.streamlines(rotation, faces, barycentric)
 
 
 def test_cancel(sphere, rotation):
     progress = native.Progress()
     progress.cancel()
     with pytest.raises(native.Cancelled):
-        native.trace_streamlines(rotation, *seeds(sphere, 3), max_time=1.0, progress=progress)
+        native.streamlines(rotation, *seeds(sphere, 3), max_time=1.0, progress=progress)
 
 
 def test_streaklines_and_timelines(sphere, rotation):
@@ -120,7 +120,7 @@ def test_streaklines_and_timelines(sphere, rotation):
         assert (np.linalg.norm(np.diff(lines[1].points[part], axis=0), axis=1) <= 0.1 + 1e-9).all()
     curve = (np.zeros(2, np.int32), np.array([[0.8, 0.1, 0.1], [0.1, 0.8, 0.1]]))
     fronts = native.start_timelines(field, *track, [curve], 0.0, at).result()
-    traces = native.trace_streamlines(rotation, *curve, max_time=1.0)
+    traces = native.streamlines(rotation, *curve, max_time=1.0)
     np.testing.assert_allclose(fronts[1].points, traces.points[traces.offsets[1:] - 1], atol=1e-5)
     assert not fronts[1].torn.any()
 
@@ -128,7 +128,7 @@ def test_streaklines_and_timelines(sphere, rotation):
 def test_jobs_give_what_waiting_gives(sphere, rotation):
     job = native.start_streamlines(rotation, *seeds(sphere, 5), max_time=1.0)
     np.testing.assert_array_equal(
-        job.result().points, native.trace_streamlines(rotation, *seeds(sphere, 5), max_time=1.0).points
+        job.result().points, native.streamlines(rotation, *seeds(sphere, 5), max_time=1.0).points
     )
 
 

@@ -5,11 +5,12 @@ One frames/frame_0001.exr per frame; colour space Non-Color. Channels, basis and
 image (metadata()) and in native/io/flow_map.h.
 """
 
+from __future__ import annotations
+
 import hashlib
 from collections.abc import Generator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from ...cache import fields
 from ...cache.bundled import bundled
 from ...model.errors import InputError
 from ...model.mesh_data import MeshData
+from ...model.words import FlowMapBasis, Json
 from ...work import Steps, result_of
 from ..task import BakeTask
 from .frame_files import FrameFiles
@@ -26,13 +28,13 @@ from .writing import disk_faults
 #: Rows that OpenEXR compresses together, and pixels that are written between two steps.
 ROWS, PIXELS = 16, 1 << 18
 #: What the channels hold, by basis.
-CHANNELS = {
+CHANNELS: dict[FlowMapBasis, str] = {
     "uv": "R, G: velocity of u and v, UV units per second; B: speed, mesh units per second; A: 1 on the mesh",
     "object": "R, G, B: vector in object space, mesh units per second; A: 1 on the mesh",
 }
 
 
-class FlowMaps(FrameFiles):
+class FlowMaps(FrameFiles["native.FlowMap", np.ndarray]):
     name = "exr"
     preparing = "Reading the UV layer"
     making = "Drawing the flow map"
@@ -46,27 +48,29 @@ class FlowMaps(FrameFiles):
         if task.exr.field not in fields.ATTRIBUTE:
             raise InputError(f"flow maps of field '{task.exr.field}'; choose one of {', '.join(fields.ATTRIBUTE)}")
 
-    def _settings(self) -> dict[str, Any]:
+    def _settings(self) -> dict[str, Json]:
         self._layer = find_layer(self._task.mesh, self._task.exr.uv_layer)
         self._uvs = self._task.mesh.uv_layers[self._layer]
         digest = hashlib.sha256(self._uvs.tobytes()).hexdigest()
         return asdict(self._task.exr) | {"uv_layer": self._layer, "uv_sha256": digest}
 
-    def _start_shared(self, mesh: Any) -> Any:
+    def _start_shared(self, mesh: native.TriangleMesh) -> native.FlowMapJob:
         size, margin = self._task.exr.resolution, self._task.exr.margin
         return native.start_flow_map(mesh, self._uvs, size, size, margin)
 
-    def _make(self, shared: Any, sample: dict[str, np.ndarray], mesh: Any, message: str) -> Steps[np.ndarray]:
+    def _make(
+        self, shared: native.FlowMap, sample: dict[str, np.ndarray], mesh: native.TriangleMesh, message: str
+    ) -> Steps[np.ndarray]:
         field = fields.field_at(sample, fields.ATTRIBUTE[self._task.exr.field], mesh)
         image = yield from result_of(shared.start_image(field, self._task.exr.basis), 0.0, message)
         if self._task.exr.half:
             check_half(image)
         return image
 
-    def _write(self, shared: Any, content: np.ndarray, lam: float, path: Path) -> Generator[float]:
+    def _write(self, shared: native.FlowMap, content: np.ndarray, lam: float, path: Path) -> Generator[float]:
         yield from write_image(path, content, self.metadata(lam), half=self._task.exr.half)
 
-    def _remarks(self, shared: Any) -> list[str]:
+    def _remarks(self, shared: native.FlowMap) -> list[str]:
         return remarks(shared, self._layer)
 
     def metadata(self, lam: float) -> dict[str, str]:
@@ -122,8 +126,8 @@ def check_half(image: np.ndarray) -> None:
         )
 
 
-def remarks(flow_map: Any, layer: str) -> list[str]:
-    """What an artist should know about the UV layer; empty when all is well. flow_map: native FlowMap."""
+def remarks(flow_map: native.FlowMap, layer: str) -> list[str]:
+    """What an artist should know about the UV layer; empty when all is well."""
     found = []
     if flow_map.overlapping_pixels:
         share = flow_map.overlapping_pixels / max(1, flow_map.covered_pixels)

@@ -1,27 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What targets with one file for each frame share: the core makes the content, a library in Blender writes the file."""
 
+from __future__ import annotations
+
 import contextlib
 from collections.abc import Generator, Iterable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Generic, TypeVar
 
 import numpy as np
 
+from ... import native
 from ...cache import fields
 from ...cache.field_cache import FieldCache
 from ...cache.plan import MeshIdentity, Plan
 from ...cache.store import CacheStore
-from ...work import Step, Steps, between, result_of, scaled
+from ...model.words import Json
+from ...work import Job, Step, Steps, between, result_of, scaled
 from ..task import BakeTask
 from .target import Origin
 
 #: Where a file is made and its writing begins, in the fractions of its steps.
 MADE = 0.5
 
+#: What the core makes once for all frames, and what of one frame is written.
+Shared = TypeVar("Shared")
+Content = TypeVar("Content")
 
-class FrameFiles:
+
+class FrameFiles(Generic[Shared, Content]):
     """One file for each frame of the task, named frames/frame_0001.* so that Blender finds the sequence."""
 
     name = ""  #: target in the plan, and the folder in the task's root
@@ -58,7 +66,9 @@ class FrameFiles:
             yield from self._write_file(index, shared, mesh, done / frames, (done + 1) / frames)
         return self._remarks(shared)
 
-    def _write_file(self, index: int, shared: Any, mesh: Any, start: float, end: float) -> Steps[None]:
+    def _write_file(
+        self, index: int, shared: Shared, mesh: native.TriangleMesh, start: float, end: float
+    ) -> Steps[None]:
         lam, made = self._task.lambdas[index], between(start, end, MADE)
         message = f"{self.making} of frame {self._task.frames[index]}"
         yield Step(start, message)
@@ -70,22 +80,24 @@ class FrameFiles:
 
     # Of each target ---------------------------------------------------------------------------------------------------
 
-    def _settings(self) -> dict[str, Any]:
+    def _settings(self) -> dict[str, Json]:
         """JSON of all that decides the files, besides mesh, frames and origin. Raises InputError for useless ones."""
         raise NotImplementedError
 
-    def _start_shared(self, mesh: Any) -> Any:
-        """Begins what all frames share: a job. mesh: native TriangleMesh."""
+    def _start_shared(self, mesh: native.TriangleMesh) -> Job[Shared]:
+        """Begins what all frames share: a job."""
         raise NotImplementedError
 
-    def _make(self, shared: Any, sample: dict[str, np.ndarray], mesh: Any, message: str) -> Steps[Any]:
+    def _make(
+        self, shared: Shared, sample: dict[str, np.ndarray], mesh: native.TriangleMesh, message: str
+    ) -> Steps[Content]:
         """The content of one file, for _write. sample: the attributes of the λ cache at λ."""
         raise NotImplementedError
 
-    def _write(self, shared: Any, content: Any, lam: float, path: Path) -> Generator[float]:
+    def _write(self, shared: Shared, content: Content, lam: float, path: Path) -> Generator[float]:
         """Leaves a complete file at path; yields the fraction that is written. Raises OSError."""
         raise NotImplementedError
 
-    def _remarks(self, shared: Any) -> list[str]:
+    def _remarks(self, shared: Shared) -> list[str]:
         """What the artist should know; empty when all is well."""
         return []

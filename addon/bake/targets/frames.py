@@ -12,9 +12,10 @@ Each frame is computed from the task alone, not from its neighbours: any split g
 first frame λ is taken to be constant.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -69,8 +70,7 @@ class FlowingTexture:
 class FlowCoordinates:
     """The coordinates at the frames of a task, on its advection field."""
 
-    def __init__(self, field: Any, task: BakeTask) -> None:
-        """field: native ParameterizedField."""
+    def __init__(self, field: native.ParameterizedField, task: BakeTask) -> None:
         self.frames = tuple(task.frames)
         self._coordinates = native.AdvectedCoordinates(
             field,
@@ -81,12 +81,12 @@ class FlowCoordinates:
             speed=float(task.flow.speed),
         )
 
-    def start(self, index: int) -> Any:
+    def start(self, index: int) -> native.AdvectionJob:
         """Begins the task's frame of that index on other threads: a job for attributes_of(job.result())."""
-        return self._coordinates.start([self.frames[index]])
+        return self._coordinates.start_frames([self.frames[index]])
 
     @staticmethod
-    def attributes_of(found: Any) -> dict[str, np.ndarray]:
+    def attributes_of(found: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> dict[str, np.ndarray]:
         """The attributes of one frame, float32, (n, 3) and (n,)."""
         ((phase_a, phase_b, blend),) = found
         return {PHASE_A: phase_a, PHASE_B: phase_b, BLEND: blend}

@@ -11,10 +11,11 @@ same kind, then those that share most of their area, then the nearest. A set wit
         attributes = run(morse.steps(j, polygons))
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from ...cache import fields
 from ...cache.field_cache import FieldCache, FieldCacheWriter
 from ...cache.plan import MeshIdentity, Plan
 from ...model.polygons import Polygons
+from ...model.words import MorseOptions
 from ...work import Steps, result_of, scaled
 from ..task import BakeTask, MorseSettings
 from .target import Origin
@@ -83,10 +85,10 @@ class Sets:
 
 
 class MorseSamples:
-    def __init__(self, cache: FieldCache, mesh: Any, settings: MorseSettings):
+    def __init__(self, cache: FieldCache, mesh: native.TriangleMesh, settings: MorseSettings):
         self._cache, self._mesh, self._settings = cache, mesh, settings
         self._areas, self._centres = mesh.face_areas, mesh.vertices[mesh.triangles].mean(axis=1)
-        self._last: tuple[Any, Sets] | None = None
+        self._last: tuple[native.VectorField, Sets] | None = None
         self._count = 0
 
     def steps(self, index: int, polygons: Polygons, message: str = "") -> Steps[dict[str, np.ndarray]]:
@@ -94,7 +96,8 @@ class MorseSamples:
         field = fields.field_at(self._cache.sample(index), self._settings.attribute, self._mesh)
         of, kinds = np.full(len(self._areas), -1, np.int32), np.empty(0, np.int32)
         if np.any(field.values):  # a field that is zero everywhere has no sets
-            job = native.start_morse(field, persistence=False, **self._settings.options())
+            options: MorseOptions = {**self._settings.options(), "persistence": False}
+            job = native.start_morse(field, **options)
             found = yield from result_of(job, 0.0, message, SETS_END)
             of = np.asarray(found.face_sets, np.int32)
             kinds = np.array([KINDS.index(s.kind) for s in found.sets], np.int32)

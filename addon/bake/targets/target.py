@@ -9,14 +9,15 @@ target.finish()                                    # False while samples of othe
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from ...cache.field_cache import FieldCache
+from ...model.words import Json
 from ...work import Steps
 from ..task import BakeTask
 
 #: JSON of what the samples are made from: part of the plan of every target.
-Origin = Mapping[str, Any]
+Origin = Mapping[str, Json]
 
 
 class Target(Protocol):

@@ -6,17 +6,19 @@ and sf_distance: signed, negative inside, where the surface is closed. Only the 
 (native/io/voxel_band.h). Equal input gives equal bytes in one version of Blender.
 """
 
+from __future__ import annotations
+
 import hashlib
 from collections.abc import Callable, Generator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ... import native
 from ...cache import fields
 from ...cache.bundled import bundled
+from ...model.words import Json
 from ...work import Steps
 from ..task import BakeTask
 from .frame_files import FrameFiles
@@ -32,9 +34,11 @@ IDENTIFIER = slice(21, 57)
 
 #: Fills blocks first..last of a grid.
 Fill = Callable[[int, int], np.ndarray]
+#: By grid name.
+Fields = dict[str, "native.VectorField"]
 
 
-class Bands(FrameFiles):
+class Bands(FrameFiles["native.VoxelBand", Fields]):
     name = "vdb"
     preparing = "Finding the voxels around the surface"
     making = "Writing the volume"
@@ -44,21 +48,23 @@ class Bands(FrameFiles):
         """Any mesh has voxels around it. Raises InputError where no OpenVDB is."""
         bundled("openvdb")
 
-    def _settings(self) -> dict[str, Any]:
+    def _settings(self) -> dict[str, Json]:
         return asdict(self._task.vdb)
 
-    def _start_shared(self, mesh: Any) -> Any:
+    def _start_shared(self, mesh: native.TriangleMesh) -> native.VoxelBandJob:
         return native.start_voxel_band(mesh, self._task.vdb.voxel_size, self._task.vdb.half_width)
 
-    def _make(self, shared: Any, sample: dict[str, np.ndarray], mesh: Any, message: str) -> Steps[dict[str, Any]]:
+    def _make(
+        self, shared: native.VoxelBand, sample: dict[str, np.ndarray], mesh: native.TriangleMesh, message: str
+    ) -> Steps[Fields]:
         return {name: fields.field_at(sample, name, mesh) for name in fields.ATTRIBUTE.values()}
         yield  # a generator: nothing here takes long
 
-    def _write(self, shared: Any, content: dict[str, Any], lam: float, path: Path) -> Generator[float]:
+    def _write(self, shared: native.VoxelBand, content: Fields, lam: float, path: Path) -> Generator[float]:
         yield from write_volume(path, shared, content, self.metadata(shared, lam))
 
-    def metadata(self, band: Any, lam: float) -> dict[str, str]:
-        """Of the file at λ. band: native VoxelBand."""
+    def metadata(self, band: native.VoxelBand, lam: float) -> dict[str, str]:
+        """Of the file at λ."""
         return {
             "stormfield:lambda": repr(float(lam)),
             "stormfield:mesh": self._identity.fingerprint,
@@ -67,8 +73,8 @@ class Bands(FrameFiles):
         }
 
 
-def write_volume(path: Path, band: Any, fields_: dict[str, Any], metadata: dict[str, str]) -> Generator[float]:
-    """Writes a VDB file in steps. band: native VoxelBand; fields_: native VectorField by grid name."""
+def write_volume(path: Path, band: native.VoxelBand, fields_: Fields, metadata: dict[str, str]) -> Generator[float]:
+    """Writes a VDB file in steps."""
     grids = []
     parts = [*_vector_parts(band, fields_), ("sf_distance", "FloatGrid", band.distances)]
     for number, (name, kind, fill) in enumerate(parts):
@@ -81,7 +87,7 @@ def write_volume(path: Path, band: Any, fields_: dict[str, Any], metadata: dict[
     yield 1.0
 
 
-def _vector_parts(band: Any, fields_: dict[str, Any]) -> list[tuple[str, str, Fill]]:
+def _vector_parts(band: native.VoxelBand, fields_: Fields) -> list[tuple[str, str, Fill]]:
     parts: list[tuple[str, str, Fill]] = []
     for name, field in fields_.items():
         parts.append((name, "Vec3SGrid", lambda first, last, field=field: band.vectors(field, first, last)))
@@ -90,7 +96,7 @@ def _vector_parts(band: Any, fields_: dict[str, Any]) -> list[tuple[str, str, Fi
     return parts
 
 
-def _fill(grids: list[Any], band: Any, name: str, kind: str, fill: Fill) -> Generator[float]:
+def _fill(grids: list[object], band: native.VoxelBand, name: str, kind: str, fill: Fill) -> Generator[float]:
     """Adds one grid, block by block. Values equal to the background stay inactive: what the core gives outside of the
     band is the background while the grid is filled."""
     openvdb = bundled("openvdb")

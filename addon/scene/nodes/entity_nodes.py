@@ -54,7 +54,7 @@ def _new_node(tree: bpy.types.NodeTree, entity: Entity, place: np.ndarray) -> bp
     node.label = entity.name
     node.width = WIDTH
     node.hide = True  # collapsed: it shows the entity's name alone
-    node.location = place - (0.5 * WIDTH, 0.0)
+    node.location = (place - (0.5 * WIDTH, 0.0)).tolist()
     node.use_custom_color, node.color = True, KIND_COLOURS.get(entity.kind, KIND_COLOURS["other"])
     node.select = False
     return node

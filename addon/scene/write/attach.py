@@ -5,11 +5,12 @@ Caches over λ (the field, and its Morse sets where they are baked) follow `obj.
 frame cache follows the scene's frame; renders need no Python.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
 import bpy
 
+from ...bake.task import TargetName
 from ...cache.layout import PRIM, STAGE, TIME_CODES_PER_LAMBDA
 from ..read.attached import FRAMES, LAMBDA, MORSE, NAMES
 from .cache_folders import delete_old_caches
@@ -21,12 +22,16 @@ def show_solved(obj: bpy.types.Object, folder: Path, keep: Collection[Path] = ()
     delete_old_caches(folder.parent, "lambda", keep)
 
 
-def show_baked(obj: bpy.types.Object, folders: Mapping[str, Path], keep: Collection[Path] = ()) -> None:
+def show_baked(obj: bpy.types.Object, folders: Mapping[TargetName, Path], keep: Collection[Path] = ()) -> None:
     """Attach those baked caches that Blender shows on the mesh, and delete old ones but those to `keep`.
 
     folders: by target of the bake.
     """
-    for target, attach, word in (("usd", attach_frames, "frames"), ("morse", attach_morse, "morse")):
+    shown: tuple[tuple[TargetName, Callable[[bpy.types.Object, Path], None], str], ...] = (
+        ("usd", attach_frames, "frames"),
+        ("morse", attach_morse, "morse"),
+    )
+    for target, attach, word in shown:
         if target in folders:
             attach(obj, folders[target])
             delete_old_caches(folders[target].parent, word, keep)

@@ -18,6 +18,7 @@ PUBLIC = (
     "model/design.py",
     "model/mesh_data.py",
     "model/errors.py",
+    "model/words.py",
     "readers/__init__.py",
     "readers/field_data.py",
     "work.py",

@@ -77,8 +77,8 @@ TEST(Elements, BadInputNamesTheElementAndTheCure) {
   EXPECT_EQ(fault({curve("c", ElementType::Streamline, {{0, 0, 0}})}), "curve \"c\" has 1 points: it needs at least 2");
   EXPECT_EQ(fault({curve("r", ElementType::Regular, {{0, 0, 0}})}),
             "regular element \"r\" has no direction: add a second point or a direction");
-  EXPECT_THROW(singularKind("whirl"), InputError);
-  EXPECT_THROW(elementType("arrow"), InputError);
+  EXPECT_THROW(fromName<SingularKind>("whirl"), InputError);
+  EXPECT_THROW(fromName<ElementType>("arrow"), InputError);
 }
 
 TEST(Elements, CurveOffTheSurfaceIsRefused) {

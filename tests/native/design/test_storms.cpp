@@ -59,7 +59,7 @@ TEST(Storms, MergeOnATorus) {
     return Vec3((1.0 + 0.4 * std::cos(v)) * std::cos(u), (1.0 + 0.4 * std::cos(v)) * std::sin(u), 0.4 * std::sin(v));
   };
   const auto elements = merge(SingularKind::SpiralInCcw, on(-0.6, 0.1), on(0.6, -0.3), on(0.0, 0.0), on(0.1, 0.4), 0.3);
-  checkMerge(solved(test::makeCharts(test::torus(60, 32, 1.0, 0.4, 0.15)), elements, 40), elements, 0.6);
+  checkMerge(solved(test::makeCharts(test::torus(60, 32, 1.0, 0.4, 0.15, 2)), elements, 40), elements, 0.6);
 }
 
 TEST(Storms, MergeOnASquareWithBoundary) {

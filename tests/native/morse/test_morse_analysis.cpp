@@ -35,9 +35,9 @@ MorseAnalysisOptions by(MorseMethod method, bool refine = false) {
 
 TEST(MorseAnalysis, MethodsAndStopsHaveNames) {
   for (const MorseMethod method : {MorseMethod::Geometry, MorseMethod::Tau, MorseMethod::Spatial}) {
-    EXPECT_EQ(morseMethod(name(method)), method);
+    EXPECT_EQ(fromName<MorseMethod>(name(method)), method);
   }
-  expectFault<InputError>([] { morseMethod("magic"); }, {"magic", "geometry", "tau", "spatial"});
+  expectFault<InputError>([] { fromName<MorseMethod>("magic"); }, {"magic", "geometry", "tau", "spatial"});
   EXPECT_STREQ(name(RefinementStop::Done), "done");
   EXPECT_STREQ(name(RefinementStop::Steps), "steps");
   EXPECT_STREQ(name(RefinementStop::Time), "time");
