@@ -38,7 +38,7 @@ class SolverState:
     """
 
     def __init__(self) -> None:
-        self._native: native.SolverMemory | None = None
+        self._native: native.SolverState | None = None
         self._mesh: native.TriangleMesh | None = None
         self._fingerprint = ""
 
@@ -50,10 +50,10 @@ class SolverState:
         """Give the memory back."""
         self._native = self._mesh = None
 
-    def of(self, mesh: MeshData) -> tuple[native.TriangleMesh, native.SolverMemory]:
+    def of(self, mesh: MeshData) -> tuple[native.TriangleMesh, native.SolverState]:
         """The native mesh and state for a solve on `mesh`, new ones where this state is of another mesh."""
         if self._native is None or self._mesh is None or not self.holds(mesh):
-            self._native = native.SolverMemory()
+            self._native = native.SolverState()
             self._mesh = native.TriangleMesh(mesh.vertices, mesh.triangles)
             self._fingerprint = mesh.fingerprint()
         return self._mesh, self._native
@@ -80,7 +80,7 @@ class SolveJob:
             tolerance=design.settings.tolerance,
             even_speed=design.settings.even_speed,
             lambda_per_second=design.settings.lambda_per_second,
-            memory=kept,
+            state=kept,
         )
 
     @property

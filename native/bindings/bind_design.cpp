@@ -44,7 +44,7 @@ DesignElement makeElement(const std::string& name, ElementType type, const Array
 using SolvedFields = std::vector<std::shared_ptr<SolvedField>>;
 
 /// A solver that outlives its solve. One job at a time has it; others find nothing and start anew.
-class SolverMemory {
+class SolverState {
  public:
   struct Content {
     MeshPointer mesh;
@@ -65,8 +65,8 @@ class SolverMemory {
 };
 
 SolvedFields solveAll(const MeshPointer& mesh, const ElementLists& lists, const DesignOptions& options,
-                      SolverMemory& memory, Progress& progress) {
-  SolverMemory::Content content = memory.take();
+                      SolverState& state, Progress& progress) {
+  SolverState::Content content = state.take();
   if (content.solver && content.mesh == mesh) {
     content.solver->setOptions(options, progress);
   } else {
@@ -74,7 +74,7 @@ SolvedFields solveAll(const MeshPointer& mesh, const ElementLists& lists, const 
     content.solver.emplace(mesh->charts(), options, progress);
   }
   // What is left after a fault or an interrupt is kept as well.
-  const std::shared_ptr<void> back(nullptr, [&](void*) { memory.put(std::move(content)); });
+  const std::shared_ptr<void> back(nullptr, [&](void*) { state.put(std::move(content)); });
   SolvedFields solved;
   const int fields = static_cast<int>(lists.size());
   for (int i = 0; i < fields; ++i) {
@@ -90,9 +90,9 @@ SolvedFields solveAll(const MeshPointer& mesh, const ElementLists& lists, const 
 
 Work<SolvedFields> prepareSolveDesign(const MeshPointer& mesh, const ElementLists& lists, Index samples,
                                       double lambdaWeight, double tolerance, double evenSpeed, double lambdaPerSecond,
-                                      const std::shared_ptr<SolverMemory>& memory) {
+                                      const std::shared_ptr<SolverState>& state) {
   const DesignOptions options{samples, lambdaWeight, tolerance, evenSpeed, lambdaPerSecond};
-  auto kept = memory ? memory : std::make_shared<SolverMemory>();
+  auto kept = state ? state : std::make_shared<SolverState>();
   return [=](Progress& progress) { return solveAll(mesh, lists, options, *kept, progress); };
 }
 
@@ -142,12 +142,12 @@ void bind_design(py::module_& m) {
       .def_readonly("components_without_constraint", &SolvedField::componentsWithoutConstraint,
                     "Components of the mesh that no element reaches: their field is zero.");
 
-  py::class_<SolverMemory, std::shared_ptr<SolverMemory>>(
-      m, "SolverMemory", py::module_local(),
+  py::class_<SolverState, std::shared_ptr<SolverState>>(
+      m, "SolverState", py::module_local(),
       "What solve_design leaves for the next solve on the same mesh object: edits are solved faster.")
       .def(py::init<>())
       .def(
-          "clear", [](SolverMemory& memory) { memory.put({}); }, "Give the memory back; the next solve starts anew.");
+          "clear", [](SolverState& state) { state.put({}); }, "Give its memory back; the next solve starts anew.");
 
   const DesignOptions defaults;
   bindJob<SolvedFields>(m, "SolveDesignJob", "A solve of designs on a thread of its own.",
@@ -157,13 +157,13 @@ void bind_design(py::module_& m) {
           "One field per list of DesignElement, one after the other -> list of SolvedField.\n\n"
           "samples: of lambda in [0, 1]. lambda_weight: omega of thesis eq. 11.3. tolerance: relative residual.\n"
           "even_speed: 0 (as solved) to 1 (one speed, falling to 0 at fixed points). lambda_per_second: of pathlines.\n"
-          "memory: a SolverMemory; with one that solved on this mesh object before, solves start from their last\n"
+          "state: a SolverState; with one that solved on this mesh object before, solves start from their last\n"
           "solution and agree with those that do not to the tolerance, not to the bit. Raises InputError,\n"
           "SolverError, Cancelled.",
           py::arg("mesh"), py::arg("elements"), py::kw_only(), py::arg("samples") = defaults.samples,
           py::arg("lambda_weight") = defaults.lambdaWeight, py::arg("tolerance") = defaults.tolerance,
           py::arg("even_speed") = defaults.evenSpeed, py::arg("lambda_per_second") = defaults.lambdaPerSecond,
-          py::arg("memory") = std::shared_ptr<SolverMemory>());
+          py::arg("state") = std::shared_ptr<SolverState>());
 }
 
 }  // namespace stormfield::bindings

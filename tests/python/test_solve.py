@@ -104,39 +104,39 @@ def test_a_field_without_elements_is_the_other():
 
 
 def test_a_solver_in_memory_needs_fewer_iterations():
-    mesh, design, memory = sphere(4), merge(tolerance=1e-6), SolverState()
-    assert not memory.holds(mesh)
-    cold = start_solve(mesh, design, memory).result()
-    assert memory.holds(mesh) and not memory.holds(sphere(3))
-    warm = start_solve(mesh, design, memory).result()
+    mesh, design, state = sphere(4), merge(tolerance=1e-6), SolverState()
+    assert not state.holds(mesh)
+    cold = start_solve(mesh, design, state).result()
+    assert state.holds(mesh) and not state.holds(sphere(3))
+    warm = start_solve(mesh, design, state).result()
     assert warm.iterations["orientation"] < cold.iterations["orientation"]
     np.testing.assert_allclose(warm.fields["orientation"].values, cold.fields["orientation"].values, atol=1e-4)
-    memory.clear()
-    anew = start_solve(mesh, design, memory).result()
+    state.clear()
+    anew = start_solve(mesh, design, state).result()
     np.testing.assert_array_equal(anew.fields["orientation"].values, cold.fields["orientation"].values)
 
 
 def test_memory_follows_to_another_mesh_sampling_and_number_of_fields():
-    memory = SolverState()
+    state = SolverState()
     for mesh, design in ((sphere(3), merge()), (sphere(4), merge()), (sphere(4), merge(samples=10))):
-        result = start_solve(mesh, design, memory).result()
+        result = start_solve(mesh, design, state).result()
         assert result.fields["advection"].values.shape == (len(result.lambdas), len(mesh.vertices))
     eye = Element("eye", "singular", (on(0, 0),), kind="source", field="orientation")
     two = replace(design, elements=(*design.elements, eye))
-    result = start_solve(mesh, two, memory).result()
+    result = start_solve(mesh, two, state).result()
     cold = start_solve(mesh, two).result()
     for name in ("orientation", "advection"):
         np.testing.assert_allclose(result.fields[name].values, cold.fields[name].values, atol=2e-3)
 
 
 def test_a_stopped_solve_leaves_a_memory_to_go_on_with():
-    mesh, memory = sphere(4), SolverState()
-    start_solve(mesh, merge(), memory).result()
-    stopped = start_solve(mesh, merge(tolerance=1e-9), memory)
+    mesh, state = sphere(4), SolverState()
+    start_solve(mesh, merge(), state).result()
+    stopped = start_solve(mesh, merge(tolerance=1e-9), state)
     stopped.cancel()
     with pytest.raises(native.Cancelled):
         stopped.result()
-    start_solve(mesh, merge(), memory).result()
+    start_solve(mesh, merge(), state).result()
 
 
 def test_even_speed_keeps_the_flow_far_from_the_elements():
