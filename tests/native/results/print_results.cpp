@@ -162,7 +162,9 @@ void printAll() {
   mapTau(*faces, at(solved, 0.7));
   findMorseSets(field, faces, MorseMethod::Geometry, false, "Morse sets");
   findMorseSets(field, faces, MorseMethod::Geometry, true, "Morse sets, halved");
-  findMorseSets(at(solved, 0.7), faces, MorseMethod::Tau, true, "Morse sets, longer tau");
+  const auto coarse = makeCharts(bumpySphere(2));
+  findMorseSets(randomField(coarse, 5), std::make_shared<const FlatFaces>(coarse), MorseMethod::Tau, true,
+                "Morse sets, longer tau");
   findStreamFunction(at(solved, 0.2));
 }
 
