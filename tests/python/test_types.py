@@ -55,6 +55,10 @@ def parameters(function: ast.FunctionDef) -> dict[str, ast.arg]:
     return {a.arg: a for a in [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs] if a.arg != "self"}
 
 
+def without_self(function: ast.FunctionDef) -> str:
+    return ast.unparse(function.args).removeprefix("self, ")
+
+
 def defaults(function: ast.FunctionDef) -> dict[str, object]:
     arguments = function.args
     places = [*arguments.posonlyargs, *arguments.args]
@@ -82,7 +86,8 @@ def test_stubs_leave_nothing_open():
             assert parameter.annotation is not None, f"{name}({parameter.arg})"
         annotations = [a.annotation for a in parameters(function).values()] + [function.returns]
         for text in map(ast.unparse, filter(None, annotations)):
-            assert not re.search(r"\b(Any|object|Incomplete)\b|^(tuple|list|dict)$", text), f"{name}: {text}"
+            said = re.sub(r"'[^']*'", "", text)
+            assert not re.search(r"\b(Any|object|Incomplete)\b|^(tuple|list|dict)$", said), f"{name}: {text}"
 
 
 def test_every_array_parameter_has_a_shape_in_the_docstring():
@@ -129,7 +134,7 @@ def test_start_x_is_x_without_waiting():
         constructed = "".join(word.capitalize() for word in plain.split("_"))
         waits = every.get(plain) or every.get(f"{constructed}.__init__")
         assert waits is not None, f"{name} starts nothing"
-        assert ast.dump(function.args) == ast.dump(waits.args).replace("arg(arg='self'), ", ""), name
+        assert without_self(function) == without_self(waits), name
         result = functions(classes()[ast.unparse(function.returns)])["result"].returns
         wanted = ast.unparse(waits.returns) if plain in every else constructed
         assert ast.unparse(result) == wanted, name

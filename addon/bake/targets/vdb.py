@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Generator
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -75,7 +76,7 @@ class Bands(FrameFiles["native.VoxelBand", Fields]):
 
 def write_volume(path: Path, band: native.VoxelBand, fields_: Fields, metadata: dict[str, str]) -> Generator[float]:
     """Writes a VDB file in steps."""
-    grids = []
+    grids: list[object] = []
     parts = [*_vector_parts(band, fields_), ("sf_distance", "FloatGrid", band.distances)]
     for number, (name, kind, fill) in enumerate(parts):
         for fraction in _fill(grids, band, name, kind, fill):
@@ -90,9 +91,9 @@ def write_volume(path: Path, band: native.VoxelBand, fields_: Fields, metadata: 
 def _vector_parts(band: native.VoxelBand, fields_: Fields) -> list[tuple[str, str, Fill]]:
     parts: list[tuple[str, str, Fill]] = []
     for name, field in fields_.items():
-        parts.append((name, "Vec3SGrid", lambda first, last, field=field: band.vectors(field, first, last)))
+        parts.append((name, "Vec3SGrid", partial(band.vectors, field)))
         if name == fields.ADVECTION:
-            parts.append(("sf_speed", "FloatGrid", lambda first, last, field=field: band.speeds(field, first, last)))
+            parts.append(("sf_speed", "FloatGrid", partial(band.speeds, field)))
     return parts
 
 
