@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Python reference: the compiled module from its docstrings, the package from its sources, without Blender."""
+"""The Python reference: the compiled module from its stubs, the package from its sources, without Blender."""
 
 import ast
-import importlib
+import importlib.util
 import inspect
 import re
-from types import ModuleType
+from pathlib import Path
 from typing import Any
 
 from .addon import ADDON
@@ -51,7 +51,7 @@ vectors = solution.fields["advection"].at(0.5).to_space()  # (n, 3), mesh units 
 """
 NATIVE_HEAD = """# The module `stormfield_native`
 
-The compiled core. This page is made from its docstrings when the documentation is built.
+The compiled core. This page is made from its stubs when the documentation is built.
 
 Arrays are NumPy arrays; lengths are mesh units, angles radians, times seconds. Long work has two forms: `X(...)` waits
 and returns the result; `start_X(...)` returns at once with a job: `done`, `fraction`, `cancel()`, `result()`.
@@ -73,7 +73,7 @@ kinds = [str(point.kind) for point in native.fixed_points(field)]  # ['source']
 def pages() -> dict[str, str]:
     return {
         "reference/python-package.md": package_page(),
-        "reference/python-native.md": native_page(importlib.import_module("stormfield_native")),
+        "reference/python-native.md": native_page(stub()),
     }
 
 
@@ -111,85 +111,71 @@ def _class(node: ast.ClassDef) -> str:
 
 
 def _function(node: ast.FunctionDef, level: str) -> str:
-    arguments = ast.unparse(node.args)
-    arguments = re.sub(r"^(self|cls)(, )?", "", arguments)
-    returns = f" -> {ast.unparse(node.returns)}" if node.returns else ""
-    decorators = {ast.unparse(d) for d in node.decorator_list}
-    signature = (
-        f"{node.name}{returns.replace(' -> ', ': ')}"
-        if "property" in decorators
-        else f"{node.name}({arguments}){returns}"
-    )
     text = docstring(ast.get_docstring(node))
-    return f"{level} {escaped(node.name)}\n\n```python\n{wrapped(signature)}\n```\n\n{text}\n\n"
+    return f"{level} {escaped(node.name)}\n\n```python\n{_signature(node)}\n```\n\n{text}\n\n"
+
+
+def _signature(node: ast.FunctionDef) -> str:
+    arguments = re.sub(r"^(self|cls)(, )?", "", ast.unparse(node.args))
+    returns = ast.unparse(node.returns) if node.returns else ""
+    if any(ast.unparse(d) == "property" for d in node.decorator_list):
+        return wrapped(plain(f"{node.name}: {returns}"))
+    return wrapped(plain(f"{node.name}({arguments})" + (f" -> {returns}" if returns else "")))
 
 
 # The compiled module --------------------------------------------------------------------------------------------------
 
 
-def native_page(native: ModuleType) -> str:
-    members = [(name, value) for name, value in sorted(vars(native).items()) if not name.startswith("_")]
-    errors = [name for name, value in members if inspect.isclass(value) and issubclass(value, BaseException)]
-    functions = [(name, value) for name, value in members if not inspect.isclass(value) and callable(value)]
-    classes = [(name, value) for name, value in members if inspect.isclass(value) and name not in errors]
+def stub() -> ast.Module:
+    """The stub package that the build makes from the module and installs beside it."""
+    found = importlib.util.find_spec("stormfield_native-stubs")
+    assert found is not None and found.submodule_search_locations, "build Stormfield first: make"
+    (folder,) = found.submodule_search_locations
+    return ast.parse((Path(folder) / "__init__.pyi").read_text(encoding="utf-8"))
+
+
+def native_page(tree: ast.Module) -> str:
+    public = [node for node in tree.body if not getattr(node, "name", "_").startswith("_")]
+    functions = [node for node in public if isinstance(node, ast.FunctionDef)]
+    classes = [node for node in public if isinstance(node, ast.ClassDef)]
+    faults = [node for node in classes if any(ast.unparse(base).endswith("Error") for base in node.bases)]
     parts = [NATIVE_HEAD, "## Functions\n\n"]
-    parts += [_documented(name, value.__doc__, "###") for name, value in functions]
+    parts += [_function(node, "###") for node in sorted(functions, key=lambda node: node.name)]
     parts.append("## Classes\n\n")
-    parts += [_native_class(name, value) for name, value in classes]
+    parts += [_native_class(node) for node in sorted(classes, key=lambda node: node.name) if node not in faults]
     parts.append("## Errors\n\n")
-    parts += [f"### {name}\n\n{docstring(getattr(native, name).__doc__)}\n\n" for name in errors]
+    parts += [f"### {node.name}\n\n{docstring(ast.get_docstring(node))}\n\n" for node in faults]
     return "".join(parts)
 
 
-def _native_class(name: str, cls: type) -> str:
-    parts = [f"### {name}\n\n{docstring(cls.__doc__)}\n\n"]
-    init = vars(cls).get("__init__")
-    if init is not None and init.__doc__ and "(self" in init.__doc__:
-        parts.append(_documented("__init__", init.__doc__, ""))
-    attributes = [(n, v) for n, v in sorted(vars(cls).items()) if isinstance(v, property)]
-    if attributes:
-        parts += [f"`{n}`\n: {docstring(v.__doc__) or 'see above'}\n\n" for n, v in attributes]
-    for method, value in sorted(vars(cls).items()):
-        if not method.startswith("_") and not isinstance(value, property) and callable(value):
-            parts.append(_documented(method, value.__doc__, ""))
+def _native_class(node: ast.ClassDef) -> str:
+    """Its attributes as a list, its methods without headings of their own."""
+    parts = [f"### {node.name}\n\n{docstring(ast.get_docstring(node))}\n\n"]
+    methods = [each for each in node.body if isinstance(each, ast.FunctionDef)]
+    attributes = [each for each in methods if any(ast.unparse(d) == "property" for d in each.decorator_list)]
+    parts += [
+        f"`{each.name}`: `{plain(ast.unparse(each.returns)) if each.returns else 'Any'}`\n"
+        f": {docstring(ast.get_docstring(each)) or 'see above'}\n\n"
+        for each in sorted(attributes, key=lambda each: each.name)
+    ]
+    shown = [each for each in methods if each.name == "__init__" or not each.name.startswith("_")]
+    for each in shown:
+        if each not in attributes and not any(ast.unparse(d).endswith(".setter") for d in each.decorator_list):
+            parts.append(f"```python\n{_signature(each)}\n```\n\n{docstring(ast.get_docstring(each))}\n\n")
     return "".join(parts)
 
 
-def _documented(name: str, text: str | None, level: str) -> str:
-    """A function: the signatures that pybind11 writes first, then its text."""
-    signatures, rest = split_signatures(name, text or "")
-    head = f"{level} {escaped(name)}\n\n" if level else ""
-    return f"{head}```python\n{signatures}\n```\n\n{docstring(rest)}\n\n"
-
-
-def split_signatures(name: str, text: str) -> tuple[str, str]:
-    lines = text.strip().splitlines()
-    signatures = [line for line in lines if re.match(rf"(\d+\. )?{re.escape(name)}\(", line)]
-    rest = [line for line in lines if line not in signatures and line != "Overloaded function."]
-    return "\n".join(plain(re.sub(r"^\d+\. ", "", line)) for line in signatures) or name, "\n".join(rest)
-
-
-def plain(signature: str) -> str:
+def plain(annotation: str) -> str:
     """Types as a reader writes them."""
-    for long, short in (
-        ("stormfield_native.", ""),
-        ("typing.SupportsFloat | typing.SupportsIndex", "float"),
-        ("typing.SupportsInt | typing.SupportsIndex", "int"),
-        ("typing.SupportsInt", "int"),
-        ("typing.SupportsFloat", "float"),
-        ("collections.abc.", ""),
-        ("typing.", ""),
-        ("numpy.typing.", ""),
-    ):
-        signature = signature.replace(long, short)
-    signature = re.sub(r"<\w+ object at 0x\w+>", "...", signature)
-    return wrapped(re.sub(r"\(self: \w+(, )?", "(", signature))
+    for prefix in ("numpy.typing.", "collections.abc.", "typing.", "numpy.", "stormfield_native."):
+        annotation = annotation.replace(prefix, "")
+    return annotation
 
 
 def wrapped(signature: str) -> str:
     """One argument a line where the signature is longer than a page is wide."""
     begin = signature.find("(")
-    if len(signature) <= WIDTH or begin < 0:
+    if begin < 0:
         return signature
     depth, starts, end = 0, [begin + 1], len(signature)
     for place in range(begin, len(signature)):
@@ -199,7 +185,11 @@ def wrapped(signature: str) -> str:
         if depth == 0:
             end = place
             break
-    arguments = [signature[a:b].strip().rstrip(",") for a, b in zip(starts, [*starts[1:], end], strict=True)]
+    pieces = [signature[a:b].strip().rstrip(",") for a, b in zip(starts, [*starts[1:], end], strict=True)]
+    arguments = [re.sub(r"^(\w+: [^=]+)=", r"\1 = ", piece) for piece in pieces]
+    line = f"{signature[: begin + 1]}{', '.join(arguments)}{signature[end:]}"
+    if len(line) <= WIDTH:
+        return line
     return "\n    ".join([signature[: begin + 1], *(f"{each}," for each in arguments)]) + "\n" + signature[end:]
 
 
