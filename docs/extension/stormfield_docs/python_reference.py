@@ -143,6 +143,11 @@ def native_page(tree: ast.Module) -> str:
     parts += [_function(node, "###") for node in sorted(functions, key=lambda node: node.name)]
     parts.append("## Classes\n\n")
     parts += [_native_class(node) for node in sorted(classes, key=lambda node: node.name) if node not in faults]
+    parts.append("## Constants\n\n")
+    for node in tree.body:
+        name = ast.unparse(node.target) if isinstance(node, ast.AnnAssign) else "_"
+        if isinstance(node, ast.AnnAssign) and not name.startswith("_"):
+            parts.append(f"### {escaped(name)}\n\n```python\n{name}: {plain(ast.unparse(node.annotation))}\n```\n\n")
     parts.append("## Errors\n\n")
     parts += [f"### {node.name}\n\n{docstring(ast.get_docstring(node))}\n\n" for node in faults]
     return "".join(parts)
