@@ -21,6 +21,15 @@ struct CylinderFlow {
   /// Distance from the orbit after one return over the distance before it, in the direction of the flow.
   double multiplier() const { return std::exp(-rate * period()); }
 
+  /// Length along the polygon up to a point of the cylinder.
+  double along(const Vec3& p) const {
+    const double angle = std::atan2(p.y(), p.x()), opening = 2.0 * kPi / around;
+    const double facet = std::floor((angle < 0.0 ? angle + 2.0 * kPi : angle) / opening);
+    const Complex a = std::polar(1.0, facet * opening), b = std::polar(1.0, (facet + 1.0) * opening);
+    const double fraction = ((Complex(p.x(), p.y()) - a) / (b - a)).real();
+    return (facet + fraction) * width();
+  }
+
   VectorField field() const {
     const auto charts = makeCharts(cylinder(around, rows));
     const TriangleMesh& mesh = charts->mesh();

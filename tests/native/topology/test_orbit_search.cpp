@@ -63,7 +63,7 @@ TEST(OrbitSearch, FindsABandOfClosedStreamlines) {
   const auto outcome = given.from(flow, 0.03, Direction::Forward);
   ASSERT_TRUE(outcome.orbit);
   EXPECT_EQ(outcome.orbit->orbit.kind, OrbitKind::Center);
-  EXPECT_TRUE(outcome.orbit->inBand);
+  for (const OrbitSide side : kOrbitSides) EXPECT_EQ(outcome.orbit->sides[side], SideFlow::Closed);
   EXPECT_NEAR(outcome.orbit->orbit.multiplier, 1.0, 1e-12);
   const auto [h, fraction] = flow.crossedAt(given.field.mesh(), 0.03);
   const OrbitSearch search(given.faces, given.field, given.componentOf, {});
