@@ -60,7 +60,7 @@ TEST(SeparatrixDirections, OfALinearSaddleAreItsEigenvectors) {
 
 TEST(SeparatrixDirections, OfAMonkeySaddleAreEvenlySpaced) {
   // conj(z^2), rotated, on a fan of 12 faces: radial where 3 angle is a multiple of pi after the rotation.
-  constexpr double kRotation = 0.2;
+  static constexpr double kRotation = 0.2;
   std::vector<Vec3> points{{0, 0, 0}};
   std::vector<std::array<Index, 3>> faces;
   for (Index i = 0; i < 12; ++i) {
