@@ -36,13 +36,13 @@ struct CylinderFlow {
     VectorField result = zeroField(charts);
     for (Index v = 0; v < mesh.vertexCount(); ++v) {
       // Any edge along the ring of v tells where the chart's directions along and up are.
-      double along = 0.0;
+      double ringAngle = 0.0;
       for (Index h = mesh.outgoing(v); h != kNone; h = mesh.nextOutgoing(h)) {
         const Index ring = v / around, to = mesh.head(h);
-        if (to == ring * around + (v + 1) % around) along = charts->tailAngle(h);
-        if (to == ring * around + (v + around - 1) % around) along = charts->tailAngle(h) + kPi;
+        if (to == ring * around + (v + 1) % around) ringAngle = charts->tailAngle(h);
+        if (to == ring * around + (v + around - 1) % around) ringAngle = charts->tailAngle(h) + kPi;
       }
-      result.values[v] = Complex(speed, -rate * (mesh.point(v).z() - height)) * std::polar(1.0, along);
+      result.values[v] = Complex(speed, -rate * (mesh.point(v).z() - height)) * std::polar(1.0, ringAngle);
     }
     return result;
   }
