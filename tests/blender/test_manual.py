@@ -10,7 +10,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="the bpy wheel is not installed")
 sys.path.insert(0, str(Path(__file__).parents[2] / "docs" / "extension"))
 from stormfield_docs import addon as described  # noqa: E402
-from stormfield_docs.pages import anchors, pages  # noqa: E402
+from stormfield_docs.pages import anchors, written_pages  # noqa: E402
 
 
 def place_of(name: str) -> str | None:
@@ -28,7 +28,7 @@ def exists(url: str | None) -> bool:
     if url is None or not url.startswith(manual.SITE):
         return False
     page, _, anchor = url.removeprefix(manual.SITE).partition("#")
-    text = pages().get(f"docs/{page.removesuffix('.html')}.md")
+    text = written_pages().get(f"docs/{page.removesuffix('.html')}.md")
     return text is not None and (not anchor or anchor in anchors(text))
 
 

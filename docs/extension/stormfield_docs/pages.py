@@ -14,12 +14,17 @@ NAMED = ("native", "addon", "tests", "docs", "scripts", "blend_examples", "pipel
 
 
 @cache
+def written_pages() -> dict[str, str]:
+    """Text of every page that is kept in the repository, by its path there."""
+    found = [path for path in sorted(DOCS.rglob("*.md")) if "extension" not in path.parts]
+    found += [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "blend_examples" / "README.md"]
+    return {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in found}
+
+
+@cache
 def pages() -> dict[str, str]:
-    """Text of every page by its path in the repository, also of those that are written when the site is built."""
-    kept = [path for path in sorted(DOCS.rglob("*.md")) if "extension" not in path.parts]
-    kept += [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "blend_examples" / "README.md"]
-    found = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in kept}
-    return found | {f"docs/{name}": text for name, text in generate.pages().items()}
+    """Also those that are made when the site is built."""
+    return written_pages() | {f"docs/{name}": text for name, text in generate.pages().items()}
 
 
 def without_code(text: str) -> str:
