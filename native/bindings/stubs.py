@@ -19,6 +19,10 @@ def main(module: Path, folder: Path) -> None:
     with tempfile.TemporaryDirectory() as made:
         code = f"import sys; sys.path.insert(0, {str(module.parent)!r}); from pybind11_stubgen import main; main()"
         command = [sys.executable, "-c", code, name, "--output-dir", made, "--exit-code"]
+        command += [
+            "--ignore-unresolved-names",
+            r"numpy\.bool",
+        ]  # NumPy before 2, which Blender 4.5 has, lacks the name
         run = subprocess.run(command, capture_output=True, text=True)
         if run.returncode:
             sys.exit(f"pybind11-stubgen cannot read {module}:\n{run.stdout}{run.stderr}")
