@@ -10,14 +10,17 @@ Checks that need the surface (points off it, elements that contradict each other
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cache
 from pathlib import Path
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 from .errors import InputError
 from .words import Json
+
+if TYPE_CHECKING:
+    from fastjsonschema import JsonSchemaValueException
 
 SCHEMA = "stormfield.design/1"
 ElementType = Literal["singular", "regular", "streamline", "pathline"]
@@ -171,16 +174,26 @@ class Design:
 
 def check_schema(data: Json) -> None:
     """Raises InputError with one line that says where in the JSON, what is wrong, and the cure."""
-    import jsonschema
+    from fastjsonschema import JsonSchemaValueException
 
     found = data.get("schema") if isinstance(data, dict) else None
     if found != SCHEMA:
         raise InputError(f'schema: is {found!r}: a design says "schema": "{SCHEMA}"')
-    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(_schema()).iter_errors(data))
-    if error is None:
-        return
-    path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in error.absolute_path).lstrip(".")
-    raise InputError(f"{path or 'design'}: {_describe(error)}{_element_name(data, error.absolute_path)}")
+    try:
+        _validator()(data)
+    except JsonSchemaValueException as error:
+        place = tuple(int(part) if part.isdigit() else part for part in error.path[1:])  # the first is "data"
+        path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).lstrip(".")
+        raise InputError(f"{path or 'design'}: {_describe(error)}{_element_name(data, place)}") from None
+
+
+@cache
+def _validator() -> Callable[[Json], Json]:
+    import fastjsonschema
+
+    # The identifier would be taken for an address to load from.
+    schema = {key: value for key, value in _schema().items() if key != "$id"}
+    return fastjsonschema.compile(schema, use_default=False)
 
 
 @cache
@@ -188,31 +201,32 @@ def _schema() -> dict[str, Json]:
     return json.loads((Path(__file__).parent / "design.schema.json").read_text(encoding="utf-8"))
 
 
-def _describe(error) -> str:
+def _describe(error: "JsonSchemaValueException") -> str:
     """The validator's finding as a fault and its cure, short enough for one line."""
-    shown = json.dumps(error.instance, ensure_ascii=False)
+    shown = json.dumps(error.value, ensure_ascii=False)
     shown = shown if len(shown) <= 40 else shown[:37] + "..."
-    value = error.validator_value
-    match error.validator:
+    rule = error.rule_definition
+    match error.rule:
         case "enum":
-            return f"is {shown}: use one of {', '.join(value)}"
+            return f"is {shown}: use one of {', '.join(rule)}"
         case "required":
-            missing = [name for name in value if name not in error.instance]
+            missing = [name for name in rule if name not in error.value]
             return f"{missing[0]} is missing: add it"
         case "additionalProperties":
-            unknown = [name for name in error.instance if name not in error.schema["properties"]]
-            return f"{unknown[0]} is not known: remove it, or use one of {', '.join(error.schema['properties'])}"
+            known = error.definition["properties"]
+            unknown = [name for name in error.value if name not in known]
+            return f"{unknown[0]} is not known: remove it, or use one of {', '.join(known)}"
         case "type":
-            return f"is {shown}: give a value of type {value}"
+            return f"is {shown}: give a value of type {rule}"
         case "exclusiveMinimum":
-            return f"is {shown}: give a number above {value}"
+            return f"is {shown}: give a number above {rule}"
         case "minimum":
-            return f"is {shown}: give at least {value}"
+            return f"is {shown}: give at least {rule}"
         case "maximum":
-            return f"is {shown}: give at most {value}"
+            return f"is {shown}: give at most {rule}"
         case "minItems" | "maxItems":
-            bound = "least" if error.validator == "minItems" else "most"
-            return f"has {len(error.instance)} values: give at {bound} {value}"
+            bound = "least" if error.rule == "minItems" else "most"
+            return f"has {len(error.value)} values: give at {bound} {rule}"
         case "oneOf":
             return 'is neither {"vertices", "triangles"} nor {"file"}: give one of them'
     return f"{error.message}: see design.schema.json"
