@@ -9,6 +9,7 @@ continues from there.
 """
 
 from dataclasses import replace
+from pathlib import Path
 
 from ..cache.field_cache import open_cache
 from ..cache.layout import MANIFEST
@@ -19,7 +20,7 @@ from ..version import VERSION
 from ..work import Step, Steps, between, scaled
 from .lambda_cache import is_warm_started, solve_steps
 from .targets import TARGETS, Target
-from .task import BakeResult, BakeTask
+from .task import BakeResult, BakeTask, TargetName
 from .unfinished import unfinished
 
 #: Fraction of a bake that solving from zero takes, where it has to.
@@ -51,15 +52,18 @@ def bake_steps(task: BakeTask) -> Steps[BakeResult]:
         "frames_per_second": float(task.frames_per_second),
         "stormfield": VERSION,
     }
-    folders, remarks, whole = {}, [], True
+    folders: dict[TargetName, Path] = {}
+    remarks: list[str] = []
+    absent: list[str] = []
     names = [name for name in TARGETS if name in task.targets]
     for number, name in enumerate(names):
         target = TARGETS[name](task, cache, origin)
         start, end = (between(begin, 1.0, (number + side) / len(names)) for side in (0, 1))
         remarks += yield from scaled(_write_missing(target, task), start, end)
-        whole &= target.finish()
+        if not target.finish():
+            absent += [f"{name}/{sample}" for sample in target.absent()]
         folders[name] = target.folder
-    return BakeResult(folders, tuple(remarks), whole, task.cache)
+    return BakeResult(folders, tuple(remarks), tuple(absent), task.cache)
 
 
 def _solve_from_zero(task: BakeTask) -> Steps[BakeTask]:

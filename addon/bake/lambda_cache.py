@@ -8,6 +8,7 @@ and undo finds the earlier one. Closing the steps stops running work and keeps f
 continues from there.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -48,20 +49,15 @@ def solve_steps(
     such a cache says so in its settings and has a folder of its own; bake_steps solves it from zero before it bakes.
     """
     design.check()
-    settings = {"design": design.to_json(), "attributes": list(fields.ATTRIBUTES), "stormfield": VERSION}
-    lambdas = np.linspace(0.0, 1.0, design.settings.samples).tolist()
-
-    def own_folder() -> Path:
-        plan = Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)
-        return folder or Path(root) / plan.folder_name("lambda")
-
-    target = own_folder()
+    plan = lambda_plan(mesh, design)
+    target = folder or Path(root) / plan.folder_name("lambda")
     if state is not None and state.holds(mesh) and not (target / MANIFEST).exists():
-        settings |= WARM_STARTED
-        target = own_folder()
+        plan = replace(plan, settings={**plan.settings, **WARM_STARTED})
+        target = folder or Path(root) / plan.folder_name("lambda")
         # Samples of two solves that stopped halfway would not fit together.
         resume = resume and (target / MANIFEST).exists()
-    writer = FieldCacheWriter(target, mesh, lambdas, settings, polygons=polygons, resume=resume)
+    lambdas = plan.times
+    writer = FieldCacheWriter(target, mesh, lambdas, plan.settings, polygons=polygons, resume=resume)
     missing = yield from unfinished(writer, range(len(lambdas)))
     if missing:
         solution = yield from result_of(start_solve(mesh, design, state), 0.0, "Solving", SOLVE_END)
@@ -75,6 +71,13 @@ def solve_steps(
     yield Step(1.0, "Joining the samples")
     writer.finish()
     return target
+
+
+def lambda_plan(mesh: MeshData, design: Design) -> Plan:
+    """The plan of a design's λ cache that is solved from zero."""
+    settings = {"design": design.to_json(), "attributes": list(fields.ATTRIBUTES), "stormfield": VERSION}
+    lambdas = np.linspace(0.0, 1.0, design.settings.samples).tolist()
+    return Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)
 
 
 def is_warm_started(cache: Path) -> bool:

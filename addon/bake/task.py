@@ -77,6 +77,7 @@ class BakeTask:
     vdb: VdbSettings = field(default_factory=VdbSettings)
     morse: MorseSettings = field(default_factory=MorseSettings)
     resume: bool = True
+    verify: bool = False  #: read every file before the manifest vouches for it
 
     def indices(self) -> set[int]:
         """Places in `frames` of those that this machine writes. Raises InputError where they are none of the bake."""
@@ -95,10 +96,15 @@ class BakeTask:
 
 @dataclass(frozen=True)
 class BakeResult:
-    """Folders of what was written by target; `whole` is false while frames of other machines are missing; `cache` is
-    the λ cache it was made from, which may be another one than the task's."""
+    """Folders of what was written by target; `absent` names what other machines have not finished yet, as
+    TARGET/frames/NAME; `cache` is the λ cache it was made from, which may be another one than the task's."""
 
     folders: dict[TargetName, Path]
     remarks: tuple[str, ...] = ()
-    whole: bool = True
+    absent: tuple[str, ...] = ()
     cache: Path | None = None
+
+    @property
+    def whole(self) -> bool:
+        """Whether every target is finished."""
+        return not self.absent

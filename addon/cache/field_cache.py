@@ -75,8 +75,12 @@ class _Writer:
             self._check(index, name, values)
         self._store.write(index, lambda path: usd.write_sample(path, self._time_codes[index], attributes))
 
-    def finish(self) -> bool:
-        """Writes what joins the samples, then the manifest. False while samples are missing."""
+    def absent(self) -> list[str]:
+        """Names of the samples that no machine has finished."""
+        return self._store.absent()
+
+    def finish(self, *, verify: bool = False) -> bool:
+        """Writes what joins the samples, then the manifest. False while samples are missing. verify: reads them all."""
         mesh = self._mesh
 
         @functools.cache
@@ -88,7 +92,8 @@ class _Writer:
                 MESH: lambda path: usd.write_mesh(path, mesh.vertices, mesh.triangles, self._polygons),
                 CLIPS: lambda path: usd.write_clips(path, first()),
                 STAGE: lambda path: usd.write_stage(path, self._plan.names, self._time_codes, first()),
-            }
+            },
+            verify=verify,
         )
 
     def _check(self, index: int, name: str, values: np.ndarray) -> None:

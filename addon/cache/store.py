@@ -10,16 +10,23 @@ While the bake runs the folder holds plan.json, and next to each finished sample
 writes it); finish() moves the checksums into the manifest. Several machines may write disjoint samples of one plan into
 one folder, or into folders that are copied together: the last one to finish writes the manifest, and the bytes do not
 depend on the split. Faults of the disk become one InputError; the file in work is removed, finished samples stay.
+
+On folders of a network, names that other machines wrote may appear late, clocks differ, and a virus scanner may refuse
+a rename for a moment: names are taken from listings, ages are measured by the folder's own clock, refused renames are
+tried again. Two machines may write the same sample: both write the same bytes, and the later one changes nothing.
 """
 
 import contextlib
 import errno
 import hashlib
+import itertools
 import os
+import re
 import socket
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 from ..model.errors import InputError
 from ..work import between
@@ -29,6 +36,7 @@ from .plan import NAME, Plan, text
 
 WriteFile = Callable[[Path], object]
 WriteInSteps = Callable[[Path], Generator[float]]
+Content = TypeVar("Content")
 
 TEMPORARY = ".tmp-"
 CHECKSUM = ".sha256"
@@ -36,8 +44,12 @@ CHECKSUM = ".sha256"
 SLICE = 4 << 20
 #: Where a file is written and its checksum begins, in the fractions of its steps.
 WRITTEN = 0.8
-#: A temporary file this old (seconds) has lost its writer.
+#: A temporary file that nobody has touched for so long (seconds) has lost its writer.
 ABANDONED = 3600.0
+#: Seconds between two attempts of a rename that the system refuses, and how many there are.
+RETRY_PAUSE, RETRIES = 0.1, 25
+#: Refusals that end by themselves, as Windows numbers them: access denied, sharing and lock violations.
+PASSING = (5, 32, 33)
 
 
 class CacheStore:
@@ -63,8 +75,8 @@ class CacheStore:
                 (self.folder / folder_name).mkdir(parents=True, exist_ok=True)
             if found is not None and not found.same(plan):
                 delete_cache(self.folder, keep_folders=True)
-            _remove_temporary(self.folder, older_than=ABANDONED)
-            if not (self.folder / MANIFEST).exists():
+            _remove_abandoned(self.folder)
+            if self._manifest() is None:
                 self._atomic(PLAN, lambda path: _write_text(path, text(plan)))
 
     def missing(self, among: Iterable[int] | None = None) -> list[int]:
@@ -77,52 +89,63 @@ class CacheStore:
 
     def write(self, index: int, write_file: WriteFile) -> None:
         """write_file(path) must leave a complete file at path; it gets its name when it is safely on the disk."""
+        name = self.names[index]
         with _disk_faults(self.folder):
-            self._reopen()
-            self._atomic(self.names[index], write_file, checksum=True)
+            if not self._holds_finished(name):
+                self._reopen()
+                with self._or_written_elsewhere(name):
+                    self._atomic(name, write_file, checksum=True)
         self._written.add(index)
-        self._verified.add(self.names[index])
+        self._verified.add(name)
 
     def write_in_steps(self, index: int, write_file: WriteInSteps) -> Generator[float]:
         """write() in steps: write_file(path) yields the fraction that is written. Closing the generator removes the
         file in work."""
         name = self.names[index]
         with _disk_faults(self.folder):
-            self._reopen()
-            with self._temporary(name) as temporary:
-                with contextlib.closing(write_file(temporary)) as writing:
-                    for fraction in writing:
-                        yield between(0.0, WRITTEN, fraction)
-                digest, size = hashlib.sha256(), temporary.stat().st_size
-                with temporary.open("rb") as file:
-                    while data := file.read(SLICE):
-                        digest.update(data)
-                        yield between(WRITTEN, 1.0, file.tell() / size)
-                _sync(temporary)
-                self._write_checksum(name, digest.hexdigest())
-                temporary.replace(self.folder / name)
+            if not self._holds_finished(name):
+                self._reopen()
+                with self._or_written_elsewhere(name), self._temporary(name) as temporary:
+                    with contextlib.closing(write_file(temporary)) as writing:
+                        for fraction in writing:
+                            yield between(0.0, WRITTEN, fraction)
+                    digest, size = hashlib.sha256(), temporary.stat().st_size
+                    with temporary.open("rb") as file:
+                        while data := file.read(SLICE):
+                            digest.update(data)
+                            yield between(WRITTEN, 1.0, file.tell() / size)
+                    _sync(temporary)
+                    self._write_checksum(name, digest.hexdigest())
+                    rename(temporary, self.folder / name)
         self._written.add(index)
         self._verified.add(name)
 
-    def finish(self, shared: Mapping[str, WriteFile]) -> bool:
-        """Writes the shared files and the manifest; False (and nothing written) while samples are missing."""
-        if self._finished():
-            self._clean()
-            return True
+    def absent(self) -> list[str]:
+        """Names of the samples that no machine has finished yet, from listings of the folder."""
+        if self._manifest() is not None:
+            return []
+        present = {name for parent in {name.rpartition("/")[0] for name in self.names} for name in self._listed(parent)}
+        return [name for name in self.names if name not in present or name + CHECKSUM not in present]
+
+    def finish(self, shared: Mapping[str, WriteFile], *, verify: bool = False) -> bool:
+        """Writes the shared files and the manifest; False (and nothing written) while samples are missing.
+
+        A sample whose checksum stands next to it is whole: names come last. verify: all are read nevertheless, and one
+        that is damaged counts as missing.
+        """
         with _disk_faults(self.folder):
+            found = self._manifest()
+            if found is not None and (not verify or self._all_intact(found)):
+                self._clean()
+                return True
             self._reopen()
-            # Finding the files is cheaper than reading them, and many machines ask before the last one may join.
-            if not all((self.folder / name).exists() for name in self.names):
+            if self.absent():
                 return False
             files = self._checksums()
-            if not all(name in self._verified or self._intact(name, files.get(name)) for name in self.names):
-                return self._finished()
-            try:
+            if verify and not self._all_intact({name: files[name] for name in self.names}):
+                return False
+            with self._or_finished_elsewhere():
                 self._join({name: files[name] for name in self.names}, shared)
-            except FileNotFoundError:
-                # Two machines may finish in the same moment; the first one takes the other's temporary files away.
-                if not self._finished():
-                    raise
         return True
 
     # Steps ------------------------------------------------------------------------------------------------------------
@@ -153,7 +176,7 @@ class CacheStore:
                 _sync(temporary)
             if checksum:
                 self._write_checksum(name, digest)
-            temporary.replace(self.folder / name)
+            rename(temporary, self.folder / name)
         return digest
 
     @contextlib.contextmanager
@@ -173,11 +196,49 @@ class CacheStore:
         line = f"{digest}  {Path(name).name}\n"
         self._atomic(name + CHECKSUM, lambda path: _write_text(path, line), durable=False)
 
+    def _manifest(self) -> dict[str, str] | None:
+        """The checksums of a finished cache; None while there is no manifest."""
+        found = _read_if_there(self.folder / MANIFEST, read_manifest)
+        return None if found is None else dict(found.files)
+
+    def _holds_finished(self, name: str) -> bool:
+        """Whether a finished cache holds this sample, so that a late twin has nothing to write."""
+        if not self._resume:
+            return False
+        found = self._manifest()
+        return found is not None and self._intact(name, found.get(name))
+
+    @contextlib.contextmanager
+    def _or_written_elsewhere(self, name: str) -> Iterator[None]:
+        """Another machine may finish this sample, and with it the cache, while this one writes it."""
+        try:
+            yield
+        except FileNotFoundError:
+            if not self._intact(name, self._checksums().get(name)):
+                raise
+
+    @contextlib.contextmanager
+    def _or_finished_elsewhere(self) -> Iterator[None]:
+        """Another machine may join the cache in the same moment."""
+        try:
+            yield
+        except FileNotFoundError:
+            if self._manifest() is None:
+                raise
+
+    def _listed(self, parent: str) -> list[str]:
+        """Names in a folder of the cache, relative to the cache. A listing is fresher than a question for one name."""
+        try:
+            return [path.relative_to(self.folder).as_posix() for path in (self.folder / parent).iterdir()]
+        except FileNotFoundError:
+            return []
+
     def _reopen(self) -> None:
         """Turns a finished cache of this plan back into a bake in progress, so that no manifest covers a new sample."""
-        if not (self.folder / MANIFEST).exists():
+        found = self._manifest()
+        if found is None:
             return
-        for name, digest in self._checksums().items():
+        for name, digest in found.items():
             if name in self.names:
                 self._write_checksum(name, digest)
         self._atomic(PLAN, lambda path: _write_text(path, text(self.plan)))
@@ -186,8 +247,9 @@ class CacheStore:
 
     def _checksums(self) -> dict[str, str]:
         """The checksum each file should have: from the manifest, or from the file next to the sample."""
-        if (self.folder / MANIFEST).exists():
-            return dict(read_manifest(self.folder / MANIFEST).files)
+        found = self._manifest()
+        if found is not None:
+            return found
         sums = {}
         for name in self.names:
             with contextlib.suppress(OSError, IndexError):
@@ -203,16 +265,14 @@ class CacheStore:
         _sync(self.folder)
         self._clean()
 
-    def _finished(self) -> bool:
-        """Whether there is a manifest, and every file it names is whole."""
-        if not (self.folder / MANIFEST).exists():
-            return False
-        files = read_manifest(self.folder / MANIFEST).files
+    def _all_intact(self, files: Mapping[str, str]) -> bool:
         return all(name in self._verified or self._intact(name, digest) for name, digest in files.items())
 
     def _intact(self, name: str, digest: str | None) -> bool:
-        path = self.folder / name
-        if digest is None or not path.is_file() or sha256(path) != digest:
+        try:
+            if digest is None or sha256(self.folder / name) != digest:
+                return False
+        except (FileNotFoundError, IsADirectoryError):
             return False
         self._verified.add(name)
         return True
@@ -222,7 +282,26 @@ class CacheStore:
         for name in self.names:
             (self.folder / (name + CHECKSUM)).unlink(missing_ok=True)
         (self.folder / PLAN).unlink(missing_ok=True)
-        _remove_temporary(self.folder, older_than=0.0)
+        _remove_abandoned(self.folder)
+
+
+def rename(temporary: Path, final: Path) -> None:
+    """Gives a file its name. What a virus scanner or a reader refuses for a moment is tried again for some seconds; a
+    name that is there although the server's answer was lost counts as done."""
+    identity = temporary.stat().st_ino
+    for attempt in itertools.count():
+        try:
+            temporary.replace(final)
+            return
+        except FileNotFoundError:
+            with contextlib.suppress(FileNotFoundError):
+                if attempt and final.stat().st_ino == identity:
+                    return
+            raise
+        except PermissionError as error:
+            if getattr(error, "winerror", None) not in PASSING or attempt == RETRIES:
+                raise
+        time.sleep(RETRY_PAUSE)
 
 
 def delete_cache(folder: str | os.PathLike, *, keep_folders: bool = False) -> None:
@@ -254,18 +333,55 @@ def _owned(folder: Path) -> Iterator[Path]:
                 yield path
 
 
-def _remove_temporary(folder: Path, *, older_than: float) -> None:
-    for path in _owned(folder):
+def _remove_abandoned(folder: Path) -> None:
+    """Removes temporary files whose writer is gone: a process of this machine that has ended, or one of another machine
+    that has not touched its file for long."""
+    files = [path for path in _owned(folder) if path.name.startswith(TEMPORARY)]
+    if not files:
+        return
+    now = _clock(folder)
+    for path in files:
         with contextlib.suppress(FileNotFoundError):
-            if path.name.startswith(TEMPORARY) and time.time() - path.stat().st_mtime >= older_than:
+            if _writer_ended(path.name) or now - path.stat().st_mtime >= ABANDONED:
                 path.unlink()
 
 
+def _clock(folder: Path) -> float:
+    """The time by which the folder's files are stamped, which a server gives: machines' own clocks may differ."""
+    probe = folder / f"{TEMPORARY}{socket.gethostname()}-{os.getpid()}-clock"
+    try:
+        probe.write_bytes(b"")
+        return probe.stat().st_mtime
+    finally:
+        probe.unlink(missing_ok=True)
+
+
+def _writer_ended(name: str) -> bool:
+    """Whether a temporary file belongs to a process of this machine that runs no longer."""
+    match = re.match(rf"{re.escape(TEMPORARY + socket.gethostname())}-(\d+)-", name)
+    if match is None or os.name == "nt":
+        return False
+    try:
+        os.kill(int(match[1]), 0)
+    except ProcessLookupError:
+        return True
+    except (PermissionError, OverflowError):
+        pass
+    return False
+
+
 def _existing_plan(folder: Path) -> Plan | None:
-    for name, read in ((MANIFEST, lambda path: read_manifest(path).plan), (PLAN, read_plan)):
-        if (folder / name).exists():
-            return read(folder / name)
-    return None
+    found = _read_if_there(folder / MANIFEST, read_manifest)
+    return _read_if_there(folder / PLAN, read_plan) if found is None else found.plan
+
+
+def _read_if_there(path: Path, read: Callable[[Path], Content]) -> Content | None:
+    """None for a file that cannot be opened because it is not there: a server answers that freshly."""
+    try:
+        path.open("rb").close()
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    return read(path)
 
 
 def _write_text(path: Path, content: str) -> None:

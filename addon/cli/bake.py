@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -13,70 +15,154 @@ import click
 
 from ..model.errors import InputError
 from .blender import quiet
+from .faults import UnfinishedError
 from .group import cli
 from .progress import progress
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # not when --help is asked for: they bring NumPy along
     from bpy.types import Object
 
-    from ..bake.task import TargetName
+    from ..bake.task import BakeResult, BakeTask, TargetName
+    from ..model.design import Design
+    from ..model.mesh_data import MeshData
+
+
+#: Seconds to wait for names that other machines wrote, and between two looks.
+APPEAR, LOOK_AGAIN = 90.0, 1.0
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """What one machine of many does of a bake."""
+
+    frames: frozenset[int] | None  #: None: all
+    resume: bool = False
+    join: bool = False  #: writes no frame, but what joins those of the others
+    verify: bool = False
 
 
 @cli.command()
-@click.argument("scene", type=click.Path())
+@click.argument("scene", type=click.Path(), required=False)
 @click.option("--targets", default="usd", show_default=True, help="Comma separated: usd, exr, vdb, morse.")
 @click.option("--frames", help="A-B: those of the scene's frames to write here, for one machine of many.")
 @click.option("--resume", is_flag=True, help="Keep finished samples and frames.")
 @click.option("--solve-only", is_flag=True, help="Write the λ caches and nothing else.")
+@click.option("--join", is_flag=True, help="Write no frame: wait for those of other machines, then the manifests.")
+@click.option("--verify", is_flag=True, help="Read every file before a manifest vouches for it.")
 @click.option("--save", is_flag=True, help="Save the scene with the caches attached.")
-def bake(scene: str, targets: str, frames: str | None, resume: bool, solve_only: bool, save: bool) -> None:
-    """Solve and bake every field of SCENE.blend."""
+@click.pass_obj
+def bake(
+    register: Callable[[], None] | None,
+    scene: str | None,
+    targets: str,
+    frames: str | None,
+    resume: bool,
+    solve_only: bool,
+    join: bool,
+    verify: bool,
+    save: bool,
+) -> None:
+    """Solve and bake every field of SCENE.blend; inside Blender, of the file that is open where none is named."""
     wanted = frozenset() if solve_only else _targets(targets)
-    only = _frames(frames)
-    path = Path(scene)
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; check the name")
-    bpy = _blender()
-    _open(bpy, path)
+    chunk = Chunk(_frames(frames), resume, join, verify)
+    bpy, path = _scene(scene, register)
     objects = [obj for obj in bpy.context.scene.objects if obj.type == "MESH" and obj.stormfield.enabled]
     if not objects:
         raise InputError(f"{path}: no object has a Stormfield field; add one in Blender's sidebar, tab Stormfield")
     for obj in objects:
-        _bake(bpy, obj, wanted, only, resume)
+        _bake(bpy, obj, wanted, chunk)
     if save:
         with quiet():
             bpy.ops.wm.save_mainfile()
 
 
-def _bake(
-    bpy: ModuleType, obj: Object, targets: frozenset[TargetName], only: frozenset[int] | None, resume: bool
-) -> None:
-    from ..bake.job import bake_steps, check_task
-    from ..bake.lambda_cache import solve_steps
+def _bake(bpy: ModuleType, obj: Object, wanted: frozenset[TargetName], chunk: Chunk) -> None:
+    from ..bake.job import check_task
     from ..scene.read import folders
     from ..scene.read.bake_task import read_bake_task
     from ..scene.read.design import read_design
-    from ..scene.read.mesh import read_polygons
     from ..scene.write import attach
-    from ..work import run
 
     saved = folders.shown_folders()  # which the scene on disk shows, unless it is saved again
-    task = replace(read_bake_task(bpy.context, obj, Path()), targets=targets, only=only, resume=resume)
+    task = replace(
+        read_bake_task(bpy.context, obj, Path()),
+        targets=wanted,
+        only=chunk.frames,
+        resume=chunk.resume,
+        verify=chunk.verify,
+    )
     check_task(task)
     mesh, design = read_design(bpy.context, obj)
-    with progress(f"Solving '{obj.name}'") as show:
-        folder = run(solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj)), show)
+    folder = _joined_field(obj, mesh, design) if chunk.join else _solved_field(obj, mesh, design)
     attach.show_solved(obj, folder, saved)
-    if not targets:
+    if not wanted:
         return
-    with progress(f"Baking '{obj.name}'") as show:
-        result = run(bake_steps(replace(task, cache=folder)), show)
+    task = replace(task, cache=folder)
+    result = _joined(obj, task) if chunk.join else _baked(obj, task)
     if result.whole:
         attach.show_baked(obj, result.folders, saved)
     for target, written in result.folders.items():
         click.echo(f"{obj.name}\t{target}\t{written}")
     for remark in result.remarks:
         click.echo(f"note: {remark}", err=True)
+
+
+def _solved_field(obj: Object, mesh: MeshData, design: Design) -> Path:
+    from ..bake.lambda_cache import solve_steps
+    from ..scene.read.folders import cache_root
+    from ..scene.read.mesh import read_polygons
+    from ..work import run
+
+    with progress(f"Solving '{obj.name}'") as show:
+        return run(solve_steps(mesh, design, cache_root(obj), read_polygons(obj)), show)
+
+
+def _baked(obj: Object, task: BakeTask) -> BakeResult:
+    from ..bake.job import bake_steps
+    from ..work import run
+
+    with progress(f"Baking '{obj.name}'") as show:
+        return run(bake_steps(task), show)
+
+
+# Joining what other machines wrote --------------------------------------------------------------------------------
+
+
+def _joined_field(obj: Object, mesh: MeshData, design: Design) -> Path:
+    """The finished λ cache, which may appear late on a network folder. Raises UnfinishedError."""
+    from ..bake.lambda_cache import lambda_plan
+    from ..cache.layout import MANIFEST
+    from ..scene.read.folders import cache_root
+
+    folder = cache_root(obj) / lambda_plan(mesh, design).folder_name("lambda")
+    if not _wait(lambda: (folder / MANIFEST).is_file()):
+        raise UnfinishedError(f"{folder}: the field is not solved; run bake --solve-only before the join")
+    return folder
+
+
+def _joined(obj: Object, task: BakeTask) -> BakeResult:
+    """The bake once all its frames are there. Raises UnfinishedError naming those that do not appear."""
+    results: list[BakeResult] = []
+
+    def whole() -> bool:
+        results[:] = [_baked(obj, replace(task, only=frozenset(), resume=True))]
+        return results[0].whole
+
+    if not _wait(whole):
+        absent = results[0].absent
+        shown = ", ".join(absent[:5]) + (f" and {len(absent) - 5} more" if len(absent) > 5 else "")
+        raise UnfinishedError(f"{len(absent)} files are not written: {shown}; bake these frames, then join again")
+    return results[0]
+
+
+def _wait(done: Callable[[], bool]) -> bool:
+    """Asks until it is done: names that other machines wrote take up to a minute to appear on network folders."""
+    end = time.monotonic() + APPEAR
+    while not done():
+        if time.monotonic() >= end:
+            return False
+        time.sleep(LOOK_AGAIN)
+    return True
 
 
 def _targets(text: str) -> frozenset[TargetName]:
@@ -103,6 +189,24 @@ def _frames(text: str | None) -> frozenset[int] | None:
     return frozenset(range(first, last + 1))
 
 
+def _scene(scene: str | None, register: Callable[[], None] | None) -> tuple[ModuleType, Path]:
+    """Blender with the scene open and the add-on registered, and the scene's file."""
+    if scene is not None and not Path(scene).is_file():
+        raise InputError(f"{scene}: no such file; check the name")
+    bpy = _blender()
+    if not hasattr(bpy.types.Object, "stormfield"):
+        if register is None:
+            raise InputError("the extension is not enabled in this Blender; enable Stormfield in its preferences")
+        register()
+    if scene is not None:
+        _open(bpy, Path(scene))
+    elif not bpy.data.filepath:
+        raise InputError(
+            "no scene is given; name a .blend file, or open one: blender -b SCENE.blend --command stormfield …"
+        )
+    return bpy, Path(bpy.data.filepath)
+
+
 def _blender() -> ModuleType:
     try:
         with quiet():
@@ -115,10 +219,6 @@ def _blender() -> ModuleType:
 
 
 def _open(bpy: ModuleType, path: Path) -> None:
-    from .. import register
-
-    if not hasattr(bpy.types.Object, "stormfield"):
-        register()
     try:
         with quiet():
             bpy.ops.wm.open_mainfile(filepath=str(path.resolve()))

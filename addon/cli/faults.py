@@ -11,6 +11,10 @@ from ..model.errors import InputError
 DONE, OUR_FAULT, USER_FAULT, CANCELLED = 0, 1, 2, 130
 
 
+class UnfinishedError(Exception):
+    """What other machines had to do is not there: neither our fault nor one of the input. Ends with status 1."""
+
+
 def as_exit_status(command: Callable[[], object]) -> int:
     try:
         status = command()
@@ -32,6 +36,8 @@ def _kind(fault: Exception) -> int | None:
     """The exit status of a fault that one line describes; None for mistakes in the program."""
     from ..native import NativeError
 
+    if isinstance(fault, UnfinishedError):
+        return OUR_FAULT
     if isinstance(fault, (InputError, NativeError)):
         return USER_FAULT
     # Exceptions of the compiled core, known by their names: asking the core would load it.

@@ -4,6 +4,7 @@
 import contextlib
 import hashlib
 import importlib.util
+import os
 import random
 import signal
 import subprocess
@@ -104,7 +105,10 @@ def test_leftovers_of_a_killed_writer_disappear(reference, tmp_path):
     expected, _ = reference
     finish(start(tmp_path))
     (tmp_path / "manifest.json").unlink()
-    (tmp_path / "samples/.tmp-elsewhere-123-lam_0001.usdc").write_bytes(b"half")
+    leftover = tmp_path / "samples/.tmp-elsewhere-123-lam_0001.usdc"
+    leftover.write_bytes(b"half")
+    long_ago = time.time() - 7200.0
+    os.utime(leftover, (long_ago, long_ago))
     (tmp_path / "samples/lam_0001.usdc.sha256").write_text("0  lam_0001.usdc\n")
     finish(start(tmp_path))
     assert contents(tmp_path) == expected

@@ -53,8 +53,11 @@ class FrameFiles(Generic[Shared, Content]):
     def missing(self, among: Iterable[int]) -> list[int]:
         return self._store.missing(among)
 
+    def absent(self) -> list[str]:
+        return self._store.absent()
+
     def finish(self) -> bool:
-        return self._store.finish({})
+        return self._store.finish({}, verify=self._task.verify)
 
     def write(self, samples: list[int]) -> Steps[list[str]]:
         yield Step(0.0, self.preparing)

@@ -63,8 +63,11 @@ class FlowingTexture:
             self._writer.write_sample(index, coordinates.attributes_of(found))
         return []
 
+    def absent(self) -> list[str]:
+        return self._writer.absent()
+
     def finish(self) -> bool:
-        return self._writer.finish()
+        return self._writer.finish(verify=self._task.verify)
 
 
 class FlowCoordinates:

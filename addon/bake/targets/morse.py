@@ -71,8 +71,11 @@ class MorseCache:
                 self._writer.write_sample(j, attributes)
         return []
 
+    def absent(self) -> list[str]:
+        return self._writer.absent()
+
     def finish(self) -> bool:
-        return self._writer.finish()
+        return self._writer.finish(verify=self._task.verify)
 
 
 @dataclass(frozen=True, eq=False)

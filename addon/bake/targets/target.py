@@ -40,5 +40,8 @@ class Target(Protocol):
     def write(self, samples: list[int]) -> Steps[list[str]]:
         """Writes these samples, at least one; returns remarks for the artist. Closing the steps leaves no torn file."""
 
+    def absent(self) -> list[str]:
+        """Names of the samples that no machine has finished yet."""
+
     def finish(self) -> bool:
         """Writes what joins the samples, then the manifest. False while samples are missing."""
