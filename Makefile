@@ -1,4 +1,5 @@
 # make        build everything: the core, and in each Python environment the package; .venv/bin/stormfield works
+# make zip    the extension for Blender on any Linux, in out/: ten minutes the first time
 # make demo   render the storm merge to PNG frames and a video
 # make test   all tests and checks, under every Blender that is found
 # make test-threads  the C++ tests under the thread sanitizer
@@ -21,7 +22,7 @@ ENVIRONMENTS = $(shell scripts/environments.sh list)
 core_sources := $(shell find native cmake CMakeLists.txt CMakePresets.json -type f)
 addon_sources := $(shell find addon -type f -not -path '*/__pycache__/*')
 
-.PHONY: all demo test test-native test-odr test-results test-threads test-long test-python bench lint docs clean
+.PHONY: all zip demo test test-native test-odr test-results test-threads test-long test-python bench lint docs clean
 all: build/.installed
 
 build/.packages: scripts/debian_packages.sh
@@ -48,6 +49,11 @@ build/.installed: build/.core build/.environments $(addon_sources) pyproject.tom
 	@mkdir -p build/stubs
 	@cp .venv/lib/python*/site-packages/stormfield_native-stubs/__init__.pyi build/stubs/stormfield_native.pyi
 	@touch $@
+
+zip: build/.environments
+	$(PYTHON) scripts/build_wheels.py --output out/wheels >/dev/null
+	@$(PYTHON) scripts/build_extension.py --output out
+	@echo "install it in Blender: Edit, Preferences, Get Extensions, Install from Disk"
 
 demo: all
 	$(PYTHON) blend_examples/demo.py

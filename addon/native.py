@@ -11,6 +11,8 @@ Type checkers see the core by its stubs. Modules that name its classes in annota
 
 import importlib
 import importlib.util
+import platform
+import re
 import sys
 from functools import cache
 from types import ModuleType
@@ -73,14 +75,10 @@ def _import_blender_first() -> None:
     importlib.import_module("bpy")
 
 
-def _python() -> str:
-    return f"{sys.version_info.major}.{sys.version_info.minor}"
-
-
 def _missing() -> str:
     return (
-        f"The compiled core is missing: install the wheel of Stormfield for Python {_python()} "
-        "(Blender 4.5 has Python 3.11, Blender 5.2 has Python 3.13)"
+        f"The compiled core is missing: this copy of Stormfield has none for {_here()}. "
+        f"{_WHERE}; from source, run make zip"
     )
 
 
@@ -91,7 +89,28 @@ def _unloadable(reason: str) -> str:
             "this Python"
         )
     if "Python version mismatch" in reason or "undefined symbol: Py" in reason or "_Py" in reason:
-        return f"The compiled core belongs to another Python: install the wheel for Python {_python()}"
-    return (
-        f"The compiled core cannot be loaded ({reason}): install the wheel of Stormfield for Python {_python()} again"
-    )
+        return f"The compiled core belongs to another Python than {_here()}: {_WHERE}"
+    if match := re.match(r"(\S+): cannot open shared object file", reason):
+        return (
+            f"The compiled core needs the library {match[1]}, which this machine does not have: this copy was built "
+            f"for the machine that made it. {_WHERE}"
+        )
+    if match := re.search(r"version `(GLIBC_[\d.]+)' not found", reason):
+        return (
+            f"The compiled core needs {match[1]}, newer than this system's C library; the zip runs from glibc 2.28 on"
+        )
+    return f"The compiled core cannot be loaded on {_here()} ({reason}). {_WHERE}"
+
+
+def _here() -> str:
+    """This machine in the words of the zips: linux-x64, Python 3.13."""
+    machine = {"x86_64": "x64", "AMD64": "x64", "aarch64": "arm64"}.get(platform.machine(), platform.machine())
+    system = {"Linux": "linux", "Darwin": "macos", "Windows": "windows"}.get(platform.system(), platform.system())
+    return f"{system}-{machine}, Python {sys.version_info.major}.{sys.version_info.minor}"
+
+
+#: Where the right copy is.
+_WHERE = (
+    "Install the zip for your system in Preferences, Get Extensions, Install from Disk: it serves Blender 4.5 "
+    "(Python 3.11), Blender 5.2 (3.13) and Python 3.14"
+)

@@ -226,13 +226,13 @@ def python_package(python: str) -> Path:
 
 
 def python_headers(name: str, python: str) -> list[Path]:
-    """Folders of the headers. The platform's pyconfig.h comes first."""
+    """Folders of the headers."""
     usr = python_package(python)
     shared = usr / "include" / f"python{python}"
     if name == "windows-x64":
         return [windows_config(python), shared]
-    # Of a 64 bit Unix; what differs on macOS no extension module asks for.
-    return [usr / "include" / "x86_64-linux-gnu" / f"python{python}", shared]
+    # Its pyconfig.h includes that of a 64 bit Unix; what differs on macOS no extension module asks for.
+    return [shared, usr / "include"]
 
 
 def windows_config(python: str) -> Path:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield bake SCENE.blend: the scene's bakes without its window."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -150,15 +151,54 @@ def test_faults_are_one_line(file, capfd, tmp_path):
     assert "no object has a Stormfield field" in refused(capfd, file)
 
 
-def test_a_farm_runs_the_job_template(file, tmp_path):
+@pytest.fixture
+def blender(tmp_path):
+    """A program that takes Blender's own arguments."""
+    program = tmp_path / "blender"
+    script = Path(__file__).with_name("blender_command.py")
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{script}" "$@"\n')
+    program.chmod(0o755)
+    return program
+
+
+def in_blender(blender, *arguments):
+    return subprocess.run([str(word) for word in (blender, *arguments)], capture_output=True, text=True, check=False)
+
+
+def test_blender_itself_has_the_command_line(file, blender, tmp_path):
+    done = in_blender(blender, "-b", file, "--command", "stormfield", "bake", "--targets", "exr", "--frames", "1-3")
+    assert done.returncode == 0, done.stderr
+    part = contents(folder_of(file, "exr"))
+    assert "plan.json" in part and "manifest.json" not in part
+    early = in_blender(blender, "--command", "stormfield", "bake")
+    assert early.returncode == 2 and "no scene is given" in early.stderr
+    wrong = in_blender(blender, "-b", file, "--command", "stormfield", "bake", "--frames", "9-1")
+    assert wrong.returncode == 2 and "ends before it starts" in wrong.stderr
+    whole = in_blender(blender, "-b", file, "--command", "stormfield", "bake", "--targets", "exr", "--resume")
+    assert whole.returncode == 0 and "manifest.json" in contents(folder_of(file, "exr"))
+
+
+def test_a_join_waits_and_then_names_what_is_missing(file, capfd, monkeypatch):
+    from stormfield.cli import bake as command
+
+    monkeypatch.setattr(command, "APPEAR", 0.0)
+    assert main(["bake", str(file), "--targets", "exr", "--join"]) == 1
+    assert "the field is not solved" in capfd.readouterr().err
+    assert bake(file, "--targets", "exr", "--frames", "1-4") == 0
+    before = contents(folder_of(file, "exr"))
+    assert main(["bake", str(file), "--targets", "exr", "--join"]) == 1
+    assert "2 files are not written: exr/frames/frame_0005.exr, exr/frames/frame_0006.exr" in capfd.readouterr().err
+    assert contents(folder_of(file, "exr")) == before
+    assert bake(file, "--targets", "exr", "--frames", "5-6") == 0
+    (folder_of(file, "exr") / "manifest.json").unlink(missing_ok=True)
+
+
+def test_a_farm_runs_the_job_template(file, blender):
     openjd = Path(sys.executable).with_name("openjd")
     if not openjd.exists():
         pytest.skip("openjd-cli is not installed")
-    command = tmp_path / "stormfield.sh"
-    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m stormfield "$@"\n')
-    command.chmod(0o755)
     template = Path(__file__).parents[2] / "pipelines" / "stormfield.openjd.yaml"
-    parameters = {"SceneFile": file, "Frames": "1-6", "ChunkSize": 4, "Targets": "exr", "Stormfield": command}
+    parameters = {"SceneFile": file, "Frames": "1-6", "ChunkSize": 4, "Targets": "exr", "Blender": blender}
     pairs = [word for name, value in parameters.items() for word in ("-p", f"{name}={value}")]
     run = [openjd, "run", template, "--step", "Join", "--run-dependencies", *pairs]
     done = subprocess.run(list(map(str, run)), capture_output=True, text=True, check=False)
@@ -168,3 +208,44 @@ def test_a_farm_runs_the_job_template(file, tmp_path):
     assert "manifest.json" in farmed
     assert bake(file, "--targets", "exr") == 0
     assert contents(folder_of(file, "exr")) == farmed
+
+
+MANAGER = """
+const tasks = [];
+const author = {
+  Task: (name, type) => ({name, type, commands: [], needs: [],
+    addCommand(command) { this.commands.push(command); }, addDependency(task) { this.needs.push(task.name); }}),
+  Command: (name, parameters) => ({name, parameters}),
+};
+// As Flamenco describes it: chunks as "1-25", single frames as "7".
+function frameChunker(frames, size) {
+  const [first, last] = frames.split("-").map(Number), chunks = [];
+  for (let a = first; a <= last; a += size) {
+    const b = Math.min(a + size - 1, last);
+    chunks.push(a === b ? `${a}` : `${a}-${b}`);
+  }
+  return chunks;
+}
+"""
+
+
+def test_flamenco_compiles_the_job_into_commands_that_blender_takes(file, blender):
+    """The Manager's own program is replaced by what its documentation promises to scripts; the commands are run."""
+    quickjs = pytest.importorskip("quickjs")
+    context = quickjs.Context()
+    context.eval(MANAGER)
+    context.eval((Path(__file__).parents[2] / "pipelines" / "stormfield.flamenco.js").read_text())
+    settings = {"frames": "1-6", "chunk_size": 4, "targets": "exr", "blendfile": str(file)}
+    context.eval(f"compileJob({{settings: {json.dumps(settings)}, addTask: (task) => tasks.push(task)}})")
+    tasks = json.loads(context.eval("JSON.stringify(tasks)"))
+    assert [task["name"] for task in tasks] == ["solve", "bake 1-4", "bake 5-6", "join"]
+    assert [task["needs"] for task in tasks] == [[], ["solve"], ["solve"], ["bake 1-4", "bake 5-6"]]
+    keys = json.loads(context.eval("JSON.stringify(JOB_TYPE.settings.map((setting) => setting.key))"))
+    assert set(keys) == set(settings)
+    for task in tasks:
+        (command,) = task["commands"]
+        parameters = command["parameters"]
+        assert command["name"] == "blender-render" and parameters["exe"] == "{blender}"
+        done = in_blender(blender, *parameters["argsBefore"], parameters["blendfile"], *parameters["args"])
+        assert done.returncode == 0, done.stderr
+    assert "manifest.json" in contents(folder_of(file, "exr"))

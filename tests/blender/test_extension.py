@@ -4,35 +4,34 @@
 import os
 import subprocess
 import sys
-import sysconfig
 import textwrap
 import zipfile
 from pathlib import Path
 
 import pytest
-from stormfield.version import VERSION
 
 pytest.importorskip("bpy")
 ROOT = Path(__file__).parents[2]
 BUILDER = ROOT / "scripts" / "build_extension.py"
 
 
+sys.path.insert(0, str(ROOT / "scripts"))
+import build_wheels  # noqa: E402  (a script, not a package)
+
+PLATFORM = "linux-x64"
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """A wheel as `pip wheel` names it, around the core that this Python has."""
+    """A wheel as scripts/build_wheels.py packs it, around the core that this Python has."""
     import importlib.util
 
     found = importlib.util.find_spec("stormfield_native")
     if found is None:
         pytest.skip("stormfield_native is not built for this Python")
-    tag = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    path = tmp_path_factory.mktemp("wheel") / f"stormfield-{VERSION}-{tag}-{tag}-{platform}.whl"
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.write(found.origin, Path(found.origin).name)
-        archive.writestr("stormfield/__init__.py", "")
-        archive.writestr(f"stormfield-{VERSION}.dist-info/WHEEL", f"Wheel-Version: 1.0\nTag: {tag}-{tag}-{platform}\n")
-    return path
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    folder = tmp_path_factory.mktemp("wheel")
+    return build_wheels.pack(Path(found.origin), build_wheels.PLATFORMS[PLATFORM], python, folder)
 
 
 @pytest.fixture(scope="module")
@@ -42,15 +41,52 @@ def extension(wheel, tmp_path_factory):
         [sys.executable, str(BUILDER), str(wheel), "--output", str(output)], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    return output / f"stormfield-{VERSION}.zip"
+    (built,) = output.iterdir()
+    assert done.stdout.split() == [str(built)]
+    return built
 
 
-def test_the_zip_holds_the_addon_and_as_wheels_the_core_and_libraries(extension):
-    names = zipfile.ZipFile(extension).namelist()
-    assert {"blender_manifest.toml", "__init__.py", "operators/solve.py", "model/design.schema.json"} <= set(names)
-    wheels = sorted(name.split("-")[0] for name in names if name.endswith(".whl"))
-    assert wheels == ["wheels/igraph", "wheels/stormfield_native", "wheels/texttable"]
-    assert not [name for name in names if "__pycache__" in name or name.startswith(("cli/", "figures/", "readers/"))]
+def test_the_zip_holds_the_addon_and_as_wheels_the_core_and_libraries(extension, wheel):
+    packed = zipfile.ZipFile(extension)
+    names = packed.namelist()
+    wanted = {"blender_manifest.toml", "__init__.py", "operators/solve.py", "model/design.schema.json", "cli/bake.py"}
+    assert wanted <= set(names)
+    wheels = sorted(name.removeprefix("wheels/").split("-")[0] for name in names if name.endswith(".whl"))
+    libraries = [library.split("==")[0].replace("-", "_") for library in build_extension_libraries()]
+    assert wheels == sorted([*libraries, "stormfield_native"])
+    assert packed.read(f"wheels/{wheel.name}") == wheel.read_bytes()  # unchanged
+    assert {"LICENSE", "licenses/README.md"} <= set(names)
+    assert not [name for name in names if "__pycache__" in name or name == "__main__.py"]
+    assert extension.stat().st_size < 15_000_000
+
+
+def build_extension_libraries():
+    import build_extension
+
+    return build_extension.LIBRARIES
+
+
+def test_wheels_carry_the_licences_of_what_is_in_them(wheel):
+    with zipfile.ZipFile(wheel) as packed:
+        names = {name.rpartition("/")[2] for name in packed.namelist() if "/licenses/" in name}
+        (metadata,) = (packed.read(name).decode() for name in packed.namelist() if name.endswith("/METADATA"))
+    assert names == {"LICENSE", *(path.name for path in (ROOT / "licenses").iterdir())}
+    assert all(f"License-File: {name}" in metadata for name in names)
+
+
+NEEDS = " 0x0000000000000001 (NEEDED)             Shared library: [{}]\n"
+SYMBOL = "   {}: 0000000000001000   100 FUNC    GLOBAL DEFAULT   {} {}\n"
+
+
+def test_what_a_linux_wheel_must_not_need_is_found():
+    fine = SYMBOL.format(1, "UND", "cos@GLIBC_2.2.5 (2)") + SYMBOL.format(2, 12, "PyInit_stormfield_native")
+    assert build_wheels.faults_of(NEEDS.format("libm.so.6"), fine) == []
+    assert build_wheels.faults_of(NEEDS.format("libtbb.so.12"), fine) == ["needs libtbb.so.12"]
+    newer = fine + SYMBOL.format(3, "UND", "hypot@GLIBC_2.35 (3)")
+    assert build_wheels.faults_of("", newer) == ["needs GLIBC_2.35"]
+    (fault,) = build_wheels.faults_of("", fine + SYMBOL.format(4, 12, "_ZN3tbb6detail1aE"))
+    assert fault.startswith("exports ")
+    assert "RPATH" in build_wheels.faults_of(" 0x1d (RUNPATH)   Library runpath: [/home/me]\n", fine)[0]
 
 
 def test_versions_agree():
@@ -73,8 +109,8 @@ def test_imports_of_the_package_are_relative():
 def test_it_installs_works_and_writes_nothing_into_itself(extension, tmp_path):
     script = textwrap.dedent(f"""
         import bpy, pathlib, sys
-        for name in ("click", "h5netcdf", "jsonschema", "meshio", "rich", "scipy", "xarray"):
-            sys.modules[name] = None  # Blender's own Python does not have them
+        for name in ("h5netcdf", "jsonschema", "matplotlib", "netCDF4", "scipy", "xarray"):
+            sys.modules[name] = None  # neither Blender's own Python nor the zip has them
         repository = bpy.context.preferences.extensions.repos.new(
             name="Test", module="test", custom_directory={str(tmp_path / "repository")!r}, source="USER")
         bpy.ops.extensions.package_install_files(filepath={str(extension)!r}, repo="test", enable_on_install=True)

@@ -36,6 +36,10 @@ _PLAIN = ["model", "version", "work", "native"]
 _DATA = [*_PLAIN, "solve", "cache", "analysis", "bake/task", "bake/targets", "bake", "compat"]
 _SCENE = [*_DATA, "scene/read", "scene/nodes", "scene/write"]
 _STATE = [*_SCENE, "session", "properties", "shading", "presets"]
+_ALL = [
+    *[*_STATE, "operators", "ui", "handlers", "manual", "preferences"],
+    *["figures", "readers", "cli", "command"],
+]
 ADDON = {
     "model": [],
     "version": [],
@@ -61,9 +65,11 @@ ADDON = {
     "ui": [*_STATE, "operators"],
     "handlers": [*_STATE, "operators", "ui"],
     "manual": [*_SCENE, "session", "properties"],
-    "__init__": [*_STATE, "operators", "ui", "handlers", "manual"],
-    "cli": [*_STATE, "operators", "ui", "handlers", "manual", "__init__", "figures", "readers"],
-    "__main__": [*_STATE, "operators", "ui", "handlers", "manual", "__init__", "figures", "readers", "cli"],
+    "preferences": [*_STATE, "operators"],
+    "cli": [*_SCENE, "figures", "readers"],
+    "command": [*_SCENE, "figures", "readers", "cli"],
+    "__init__": [*_ALL],
+    "__main__": [*_ALL, "__init__"],
 }
 # Parts that run without Blender.
 WITHOUT_BLENDER = [
