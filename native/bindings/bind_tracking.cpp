@@ -5,6 +5,22 @@
 #include "tracking/persistence.h"
 #include "tracking/tracking.h"
 
+namespace stormfield {
+namespace bindings {
+
+/// What an end of a path is called depends on which one it is; in the order of PathEnd.
+enum class BeginOfPath { First, Boundary, Creation };
+enum class EndOfPath { Last, Boundary, Annihilation };
+
+}  // namespace bindings
+
+template <>
+inline constexpr Words kWords<bindings::BeginOfPath>{"begin of a path", {"first", "boundary", "creation"}};
+template <>
+inline constexpr Words kWords<bindings::EndOfPath>{"end of a path", {"last", "boundary", "annihilation"}};
+
+}  // namespace stormfield
+
 namespace stormfield::bindings {
 namespace {
 
@@ -30,17 +46,6 @@ std::vector<PathView> views(const TrackingPointer& tracking) {
   std::vector<PathView> result;
   for (std::size_t i = 0; i < tracking->paths.size(); ++i) result.push_back({tracking, i});
   return result;
-}
-
-/// What an end of a path is called depends on which one it is.
-using BeginWord = py::typing::Literal<"'first'", "'boundary'", "'creation'">;
-using EndWord = py::typing::Literal<"'last'", "'boundary'", "'annihilation'">;
-
-BeginWord beginName(PathEnd end) {
-  return py::str(end == PathEnd::Range ? "first" : end == PathEnd::Boundary ? "boundary" : "creation");
-}
-EndWord endName(PathEnd end) {
-  return py::str(end == PathEnd::Range ? "last" : end == PathEnd::Boundary ? "boundary" : "annihilation");
 }
 
 /// (k, columns) from the k samples of a path.
@@ -83,9 +88,11 @@ void bindPath(py::module_& m) {
           "kind", [](const PathView& v) { return v.path().kind; },
           "source, sink, saddle, center or degenerate: what it is for the longest share of its life.")
       .def_property_readonly(
-          "begin", [](const PathView& v) { return beginName(v.path().begin); }, "first, boundary or creation.")
+          "begin", [](const PathView& v) { return static_cast<BeginOfPath>(v.path().begin); },
+          "first, boundary or creation.")
       .def_property_readonly(
-          "end", [](const PathView& v) { return endName(v.path().end); }, "last, boundary or annihilation.")
+          "end", [](const PathView& v) { return static_cast<EndOfPath>(v.path().end); },
+          "last, boundary or annihilation.")
       .def_property_readonly(
           "life", [](const PathView& v) { return v.path().life(); },
           "Interval of lambda it lives through: its persistence.")
