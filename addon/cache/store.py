@@ -122,10 +122,9 @@ class CacheStore:
 
     def absent(self) -> list[str]:
         """Names of the samples that no machine has finished yet, from listings of the folder."""
-        if self._manifest() is not None:
-            return []
+        finished = self._manifest() is not None
         present = {name for parent in {name.rpartition("/")[0] for name in self.names} for name in self._listed(parent)}
-        return [name for name in self.names if name not in present or name + CHECKSUM not in present]
+        return [name for name in self.names if name not in present or not (finished or name + CHECKSUM in present)]
 
     def finish(self, shared: Mapping[str, WriteFile], *, verify: bool = False) -> bool:
         """Writes the shared files and the manifest; False (and nothing written) while samples are missing.
@@ -135,7 +134,7 @@ class CacheStore:
         """
         with _disk_faults(self.folder):
             found = self._manifest()
-            if found is not None and (not verify or self._all_intact(found)):
+            if found is not None and self._is_whole(found, verify=verify):
                 self._clean()
                 return True
             self._reopen()
@@ -264,6 +263,11 @@ class CacheStore:
         self._atomic(MANIFEST, lambda path: _write_text(path, text(self.plan, files)))
         _sync(self.folder)
         self._clean()
+
+    def _is_whole(self, files: Mapping[str, str], *, verify: bool) -> bool:
+        """Whether a finished cache still has all its files: what joins the samples is read, the samples with verify."""
+        read = {name: digest for name, digest in files.items() if verify or name not in self.names}
+        return not self.absent() and self._all_intact(read)
 
     def _all_intact(self, files: Mapping[str, str]) -> bool:
         return all(name in self._verified or self._intact(name, digest) for name, digest in files.items())

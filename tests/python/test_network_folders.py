@@ -222,3 +222,25 @@ def test_a_lost_answer_to_a_rename_is_no_fault(tmp_path, monkeypatch):
     monkeypatch.setattr(store, "RETRY_PAUSE", 0.0)
     store.rename(temporary, final)
     assert final.read_bytes() == b"content"
+
+
+@pytest.mark.parametrize("lost", ["mesh.usdc", "clips.usda", "field.usda"])
+def test_a_finished_cache_that_lost_what_joins_it_is_joined_again(mesh, expected, tmp_path, lost):
+    assert bake(tmp_path, mesh)
+    (tmp_path / lost).unlink()
+    assert machine(tmp_path, mesh).finish()
+    assert contents(tmp_path) == expected
+    (tmp_path / lost).write_bytes(b"damaged")
+    assert machine(tmp_path, mesh).finish()
+    assert contents(tmp_path) == expected
+
+
+def test_a_finished_cache_that_lost_a_sample_is_not_called_finished(mesh, expected, tmp_path):
+    assert bake(tmp_path, mesh)
+    (tmp_path / "samples/lam_0001.usdc").unlink()
+    joiner = machine(tmp_path, mesh)
+    assert joiner.absent() == ["samples/lam_0001.usdc"]
+    assert not joiner.finish()
+    assert not (tmp_path / "manifest.json").exists()  # nobody takes it for whole
+    assert bake(tmp_path, mesh, resume=True)
+    assert contents(tmp_path) == expected
