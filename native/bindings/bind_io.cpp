@@ -107,26 +107,18 @@ py::array_t<float> distances(const VoxelBandHandle& self, py::ssize_t first, py:
   return blockArray(blockDistances(self.band, range), range, 1);
 }
 
-py::array_t<float> vectors(const VoxelBandHandle& self, const FieldHandle& field, py::ssize_t first, py::ssize_t last) {
+/// Some blocks of what `values` gives of a field, `width` numbers a voxel.
+template <py::ssize_t width, std::vector<float> (&values)(const VoxelBand&, const VectorField&, BlockRange)>
+py::array_t<float> fieldBlocks(const VoxelBandHandle& self, const FieldHandle& field, py::ssize_t first,
+                               py::ssize_t last) {
   const BlockRange range = checkedRange(self, first, last);
   if (field.mesh != self.mesh) throw InputError("the field lives on another mesh object; make both on the same one");
-  std::vector<float> values;
+  std::vector<float> found;
   {
     const py::gil_scoped_release release;
-    values = blockVectors(self.band, field.field, range);
+    found = values(self.band, field.field, range);
   }
-  return blockArray(std::move(values), range, 3);
-}
-
-py::array_t<float> speeds(const VoxelBandHandle& self, const FieldHandle& field, py::ssize_t first, py::ssize_t last) {
-  const BlockRange range = checkedRange(self, first, last);
-  if (field.mesh != self.mesh) throw InputError("the field lives on another mesh object; make both on the same one");
-  std::vector<float> values;
-  {
-    const py::gil_scoped_release release;
-    values = blockSpeeds(self.band, field.field, range);
-  }
-  return blockArray(std::move(values), range, 1);
+  return blockArray(std::move(found), range, width);
 }
 
 }  // namespace
@@ -183,10 +175,10 @@ void bind_io(py::module_& m) {
            "(last - first, 8, 8, 8) float32, mesh units: the distance from the surface of the voxels of some blocks,\n"
            "negative in what a closed surface encloses; OUTSIDE_BAND where a voxel is not of the band.\n"
            "Raises InputError for blocks that do not exist.")
-      .def("vectors", &vectors, py::arg("field"), py::arg("first"), py::arg("last"),
+      .def("vectors", &fieldBlocks<3, blockVectors>, py::arg("field"), py::arg("first"), py::arg("last"),
            "(last - first, 8, 8, 8, 3) float32, mesh units per second: the field at the closest surface points;\n"
            "OUTSIDE_BAND where a voxel is not of the band. Raises InputError for a field of another mesh.")
-      .def("speeds", &speeds, py::arg("field"), py::arg("first"), py::arg("last"),
+      .def("speeds", &fieldBlocks<1, blockSpeeds>, py::arg("field"), py::arg("first"), py::arg("last"),
            "(last - first, 8, 8, 8) float32, mesh units per second: the lengths of these vectors.");
   m.attr("OUTSIDE_BAND") = kOutsideBand;
   const VoxelBandOptions options;
