@@ -15,16 +15,15 @@ import click
 
 from ..model.errors import InputError
 from ..model.words import Json
+from ..readers import Choice
 from .blender import load_core
-from .output import Phases, describe_mesh, field_argument, write_json
+from .output import Phases, describe_mesh, field_argument, write_result
 
 
 class FieldInput:
     """FIELD as its command gets it. Raises InputError before anything long begins where the picture cannot be made."""
 
-    def __init__(
-        self, field: str, out: str, image: str | None, vector: str | None, sphere_faces: int | None, attribute: str
-    ) -> None:
+    def __init__(self, field: str, choice: Choice, out: str, image: str | None) -> None:
         from .. import native
         from ..figures.image import check as check_image
         from ..readers import read_field
@@ -35,7 +34,7 @@ class FieldInput:
         self._out, self._image = out, image
         load_core()
         with self.phases("read"):
-            self.data = read_field(field, vector=vector, sphere_faces=sphere_faces, attribute=attribute)
+            self.data = read_field(field, choice)
         with self.phases("mesh"):
             self.mesh = native.TriangleMesh(self.data.mesh.vertices, self.data.mesh.triangles)
 
@@ -48,31 +47,21 @@ class FieldInput:
     def write(self, schema: str, content: dict[str, Json], seconds: dict[str, float] | None = None) -> None:
         """The JSON, with what all commands write."""
         spent = self.phases.seconds | (seconds or {})
-        write_json(self._out, {"schema": schema, "mesh": describe_mesh(self.mesh), **content, "seconds": spent})
+        write_result(self._out, schema, self.data.read, {"mesh": describe_mesh(self.mesh), **content, "seconds": spent})
 
 
 def field_command(picture: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """FIELD, the options of its readers, --attribute, --json and --image, which shows `picture`. The command gets one
-    FieldInput for them, and its own options."""
+    """FIELD, the options that choose of it, --json and --image, which shows `picture`. The command gets one FieldInput
+    for them, and its own options."""
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @functools.wraps(command)
-        def opened(
-            field: str,
-            vector: str | None,
-            sphere_faces: int | None,
-            attribute: str,
-            out: str,
-            image: str | None,
-            **options: object,
-        ) -> None:
-            given = FieldInput(field, out, image, vector, sphere_faces, attribute)
-            command(given, **options)
+        def opened(field: str, choice: Choice, out: str, image: str | None, **options: object) -> None:
+            command(FieldInput(field, choice, out, image), **options)
 
         for option in (
             click.option("--image", help=f"{picture}: .png, .pdf or .svg."),
             click.option("--json", "out", required=True, help="File to write; - is standard output."),
-            click.option("--attribute", default="sf_advection", show_default=True, help="Vector attribute of a cache."),
         ):
             opened = option(opened)
         return field_argument(opened)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import sys
 import time
@@ -15,13 +16,27 @@ import click
 from .. import native
 from ..model.errors import InputError
 from ..model.words import Json
+from ..readers import Choice, Reading
 
 
-def field_argument(command: Callable) -> Callable:
-    """FIELD and the options of its readers."""
-    command = click.option("--sphere-faces", type=int, help="Faces of the sphere that carries wind, about.")(command)
-    command = click.option("--vector", help="Point data that is the field: NAME, or X,Y,Z.")(command)
-    return click.argument("field", type=click.Path())(command)
+def field_argument(command: Callable[..., None]) -> Callable[..., None]:
+    """FIELD, and the options that say what of it is read. The command gets them as field and choice."""
+
+    @functools.wraps(command)
+    def chosen(vector: str | None, sphere_faces: int | None, attribute: str, **options: object) -> None:
+        command(choice=Choice(vector, sphere_faces, attribute), **options)
+
+    for option in (
+        click.option("--attribute", default="sf_advection", show_default=True, help="Vector attribute of a cache."),
+        click.option("--sphere-faces", type=int, help="Faces of the sphere that carries wind, about."),
+        click.option(
+            "--vector",
+            help="Array that is the field: NAME, or X,Y,Z; points:NAME or cells:NAME where both have it. "
+            "stormfield info lists them.",
+        ),
+    ):
+        chosen = option(chosen)
+    return click.argument("field", type=click.Path())(chosen)
 
 
 class Phases:
@@ -48,6 +63,12 @@ def describe_mesh(mesh: native.TriangleMesh) -> dict[str, int]:
         "boundary_loops": mesh.boundary_loop_count,
         "euler_characteristic": mesh.euler_characteristic,
     }
+
+
+def write_result(target: str, schema: str, read: Reading, content: dict[str, Json]) -> None:
+    """The JSON of a command, and on standard error the line that says what was read."""
+    write_json(target, {"schema": schema, "read": read.to_json(), **content})
+    print(f"read: {read.line()}", file=sys.stderr)
 
 
 def write_json(target: str, content: dict[str, Json]) -> None:

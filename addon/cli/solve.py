@@ -12,12 +12,13 @@ import click
 from ..model.errors import InputError
 from .blender import load_core
 from .group import cli
-from .output import Phases, describe_mesh, write_json
+from .output import Phases, describe_mesh, write_result
 from .progress import progress
 
 if TYPE_CHECKING:
     from ..model.design import Design
     from ..model.mesh_data import MeshData
+    from ..readers import Reading
 
 
 @cli.command()
@@ -33,7 +34,7 @@ def solve(design: str, out: str, resume: bool, report: str | None) -> None:
 
     phases = Phases()
     with phases("read"):
-        mesh, elements = read_design(Path(design))
+        mesh, elements, read = read_design(Path(design))
     load_core()
     with phases("solve"), progress("Solving") as show:
         folder = run(solve_steps(mesh, elements, Path(out), folder=Path(out), resume=resume), show)
@@ -42,20 +43,19 @@ def solve(design: str, out: str, resume: bool, report: str | None) -> None:
 
         surface = native.TriangleMesh(mesh.vertices, mesh.triangles)
         content = {
-            "schema": "stormfield.solve/1",
             "mesh": describe_mesh(surface),
             "lam": [float(lam) for lam in open_cache(folder).lambdas],
             "cache": str(folder),
             "seconds": phases.seconds,
         }
-        write_json(report, content)
+        write_result(report, "stormfield.solve/1", read, content)
 
 
-def read_design(path: Path) -> tuple[MeshData, Design]:
-    """Mesh and design of a JSON file; a mesh file is looked for in its folder."""
+def read_design(path: Path) -> tuple[MeshData, Design, Reading]:
+    """Mesh and design of a JSON file, and how the mesh was read; a mesh file is looked for in its folder."""
     from ..model.design import Design
     from ..model.mesh_data import MeshData
-    from ..readers import read_mesh
+    from ..readers import Reading, read_mesh
 
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
@@ -71,7 +71,8 @@ def read_design(path: Path) -> tuple[MeshData, Design]:
         if source is None:
             raise InputError('has no mesh; add "mesh": {"file": "name.ply"}, or vertices and triangles')
         if "file" not in source:
-            return MeshData(source["vertices"], source["triangles"]), design
+            return MeshData(source["vertices"], source["triangles"]), design, Reading((str(path),))
     except InputError as fault:
         raise InputError(f"{path}: {fault}") from fault
-    return read_mesh(path.parent / source["file"]), design
+    mesh, read = read_mesh(path.parent / source["file"])
+    return mesh, design, read

@@ -14,45 +14,46 @@ from pathlib import Path
 from ..cache.layout import STAGE
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
+from .choice import Choice
 from .field_data import FieldData, NoFieldError
+from .reading import ArrayInfo, Reading
 
 GRIDS = {".npz", ".nc", ".nc4", ".cdf", ".h5"}
 #: Faces of the sphere that carries wind by default.
 SPHERE_FACES = 20480
 
 
-def read_field(
-    path: str | Path, *, vector: str | None = None, sphere_faces: int | None = None, attribute: str = "sf_advection"
-) -> FieldData:
-    """vector: names of the point data, "name" or "x,y,z". sphere_faces: approximate number, of wind. attribute: of a
-    cache."""
-    path = _existing(path)
+def read_field(path: str | Path, choice: Choice | None = None) -> FieldData:
+    """The field of any of the files above. choice: what of it, where it offers more than one."""
+    path, choice = _existing(path), choice or Choice()
     ending = path.suffix.lower()
     if _is_cache(path):
         from .cache_folder import read_cache
 
-        return read_cache(path, attribute)
+        return read_cache(path, choice.attribute)
     if ending in GRIDS:
         from .wind import read_wind
 
-        return read_wind(path, SPHERE_FACES if sphere_faces is None else sphere_faces)
+        return read_wind(path, SPHERE_FACES if choice.sphere_faces is None else choice.sphere_faces)
     if ending == ".t":
         from .t_file import read_t
 
         return read_t(path)
     from .point_data import read_point_data
 
-    return read_point_data(path, vector)
+    return read_point_data(path, choice.vector)
 
 
-def read_mesh(path: str | Path) -> MeshData:
-    """The mesh of any of the files above, whether it carries a field or not."""
+def read_mesh(path: str | Path) -> tuple[MeshData, Reading]:
+    """The mesh of any of the files above, whether it carries a field or not, and what there is to choose."""
     path = _existing(path)
     if _is_cache(path) or path.suffix.lower() in {".t", *GRIDS}:
-        return read_field(path).mesh
-    from .point_data import read_surface
+        data = read_field(path)
+        return data.mesh, data.read
+    from .point_data import choices, read_surface
 
-    return read_surface(path)[0]
+    mesh, carried = read_surface(path)
+    return mesh, Reading((str(path),), choices=choices(carried))
 
 
 def _is_cache(path: Path) -> bool:
@@ -66,4 +67,4 @@ def _existing(path: str | Path) -> Path:
     return path
 
 
-__all__ = ["SPHERE_FACES", "FieldData", "NoFieldError", "read_field", "read_mesh"]
+__all__ = ["SPHERE_FACES", "ArrayInfo", "Choice", "FieldData", "NoFieldError", "Reading", "read_field", "read_mesh"]

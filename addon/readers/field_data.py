@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What every reader returns."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
+from .reading import Reading
 
 
 class NoFieldError(InputError):
@@ -15,11 +16,13 @@ class NoFieldError(InputError):
 
 @dataclass(frozen=True, eq=False)
 class FieldData:
-    """vectors (s, n, 3) float64 in space, one per sample and vertex; lambdas (s,) increasing in 0..1."""
+    """vectors (s, n, 3) float64 in space, one per sample and vertex; lambdas (s,) increasing in 0..1; read says where
+    they come from."""
 
     mesh: MeshData
     lambdas: np.ndarray
     vectors: np.ndarray
+    read: Reading = field(default_factory=Reading)
 
     def __post_init__(self) -> None:
         wanted = (len(self.lambdas), len(self.mesh.vertices), 3)
@@ -38,6 +41,19 @@ class FieldData:
         return (1.0 - weight) * self.vectors[j] + weight * self.vectors[j + 1]
 
 
-def steady(mesh: MeshData, vectors: np.ndarray) -> FieldData:
+def steady(mesh: MeshData, vectors: np.ndarray, read: Reading | None = None) -> FieldData:
     """A field that does not change with λ."""
-    return FieldData(mesh, np.zeros(1), np.asarray(vectors, np.float64)[None])
+    return FieldData(mesh, np.zeros(1), np.asarray(vectors, np.float64)[None], read or Reading())
+
+
+def lambdas_of(times: np.ndarray, where: str) -> np.ndarray:
+    """(s,) increasing times as λ from 0 to 1, linear in time, so that gaps stay gaps. Raises InputError."""
+    times = np.asarray(times, np.float64)
+    if len(times) == 1:
+        return np.zeros(1)
+    steps = np.diff(times)
+    wrong = np.flatnonzero(~(steps > 0.0))
+    if len(wrong):
+        j = int(wrong[0])
+        raise InputError(f"{where}: time {times[j + 1]:g} follows {times[j]:g}; give times that increase")
+    return (times - times[0]) / (times[-1] - times[0])

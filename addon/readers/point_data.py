@@ -9,7 +9,9 @@ import numpy as np
 
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
+from .choice import chosen_arrays, listed
 from .field_data import FieldData, NoFieldError, steady
+from .reading import ArrayInfo, Reading
 
 #: In these data sets nx, ny, nz are the vector, not a normal.
 DEFAULT_VECTOR = ("nx", "ny", "nz")
@@ -17,7 +19,14 @@ DEFAULT_VECTOR = ("nx", "ny", "nz")
 
 def read_point_data(path: Path, vector: str | None) -> FieldData:
     mesh, data = read_surface(path)
-    return steady(mesh, _vectors(path, data, vector))
+    offered = choices(data)
+    taken = _taken(path, offered, vector)
+    return steady(mesh, _vectors(path, data, taken), Reading((str(path),), taken, offered))
+
+
+def choices(data: dict[str, np.ndarray]) -> tuple[ArrayInfo, ...]:
+    """What the points carry, by name."""
+    return tuple(ArrayInfo(name, "points", data[name][0].size if len(data[name]) else 0) for name in sorted(data))
 
 
 def read_surface(path: Path) -> tuple[MeshData, dict[str, np.ndarray]]:
@@ -62,14 +71,17 @@ def _fans(polygons) -> np.ndarray:
     )
 
 
-def _vectors(path: Path, data: dict[str, np.ndarray], vector: str | None) -> np.ndarray:
-    listed = ", ".join(sorted(data)) or "none"
-    names = _likely(data) if vector is None else tuple(name.strip() for name in vector.split(","))
-    if names is None:
-        raise NoFieldError(f"{path}: which point data is the field? choose with --vector from: {listed}")
-    missing = [name for name in names if name not in data]
-    if missing:
-        raise InputError(f"{path}: has no point data '{missing[0]}'; choose from: {listed}")
+def _taken(path: Path, offered: tuple[ArrayInfo, ...], vector: str | None) -> tuple[ArrayInfo, ...]:
+    if vector is not None:
+        return chosen_arrays(vector, offered, str(path))
+    found = _likely(offered)
+    if found is None:
+        raise NoFieldError(f"{path}: which array is the field? choose with --vector from: {listed(offered)}")
+    return found
+
+
+def _vectors(path: Path, data: dict[str, np.ndarray], taken: tuple[ArrayInfo, ...]) -> np.ndarray:
+    names = [array.name for array in taken]
     columns = [np.asarray(data[name], np.float64).reshape(len(data[name]), -1) for name in names]
     vectors = np.concatenate(columns, axis=1)
     if vectors.shape[1] == 2:
@@ -79,9 +91,10 @@ def _vectors(path: Path, data: dict[str, np.ndarray], vector: str | None) -> np.
     return vectors
 
 
-def _likely(data: dict[str, np.ndarray]) -> tuple[str, ...] | None:
+def _likely(offered: tuple[ArrayInfo, ...]) -> tuple[ArrayInfo, ...] | None:
     """The only vector there is, or nx, ny, nz."""
-    if all(name in data for name in DEFAULT_VECTOR):
-        return DEFAULT_VECTOR
-    vectors = [name for name, values in data.items() if np.ndim(values) == 2 and np.shape(values)[1] == 3]
-    return (vectors[0],) if len(vectors) == 1 else None
+    triple = tuple(array for name in DEFAULT_VECTOR for array in offered if array.name == name)
+    if len(triple) == len(DEFAULT_VECTOR):
+        return triple
+    vectors = tuple(array for array in offered if array.components == 3)
+    return vectors if len(vectors) == 1 else None

@@ -8,6 +8,7 @@ import numpy as np
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from .field_data import FieldData, steady
+from .reading import ArrayInfo, Reading
 
 
 def read_t(path: Path) -> FieldData:
@@ -29,4 +30,5 @@ def read_t(path: Path) -> FieldData:
         numbers = np.array(words[2 + 3 * faces : wanted], np.float64).reshape(2, vertices, 3)
     except ValueError as error:
         raise InputError(f"{path}: has a word where a number should be ({error})") from None
-    return steady(MeshData(numbers[0], triangles), numbers[1])
+    vector = (ArrayInfo("vector", "points", 3),)
+    return steady(MeshData(numbers[0], triangles), numbers[1], Reading((str(path),), vector, vector))

@@ -8,6 +8,7 @@ Times become λ, evenly from the first to the last. Latitudes may run either way
 repeat the first meridian at the end; pole rows may be absent.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from ..model.errors import InputError
 from .field_data import FieldData
 from .icosphere import icosphere
+from .reading import ArrayInfo, Reading
 
 #: Names that files use; the first that is present counts.
 LATITUDE = ("lat", "latitude", "Latitude", "LAT", "y")
@@ -26,7 +28,8 @@ NORTH = ("v", "v10", "V10", "10v", "vgrd10m", "VGRD_10maboveground", "vwnd", "V"
 def read_wind(path: Path, faces: int) -> FieldData:
     read = _npz if path.suffix.lower() == ".npz" else _netcdf
     latitude, longitude, east, north = read(path)
-    return wind_on_sphere(latitude, longitude, east, north, faces, where=str(path))
+    data = wind_on_sphere(latitude, longitude, east, north, faces, where=str(path))
+    return replace(data, read=Reading((str(path),), (ArrayInfo("wind", "grid", 2),)))
 
 
 def wind_on_sphere(latitude, longitude, east, north, faces: int, where: str = "the grid") -> FieldData:

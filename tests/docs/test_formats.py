@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
 #: What every JSON of the command line carries; the page says it once.
-EVERYWHERE = {"schema", "mesh", "lam", "seconds"}
+EVERYWHERE = {"schema", "read", "mesh", "lam", "seconds"}
 
 
 def sources(folder: str) -> str:

@@ -64,8 +64,12 @@ def design(tmp_path, sphere):
 def test_info(capsys, sphere):
     status, out, err = run(capsys, "info", sphere)
     content = json.loads(out)
-    assert (status, err) == (0, "")
+    assert status == 0 and err == (
+        f"read: {sphere}: nx (points, 1 component), ny (points, 1 component), nz (points, 1 component)\n"
+    )
     assert content["schema"] == "stormfield.info/1"
+    assert content["read"]["files"] == [str(sphere)]
+    assert [array["name"] for array in content["read"]["arrays"]] == ["nx", "ny", "nz"]
     assert content["mesh"] == {
         "vertices": 642, "faces": 1280, "components": 1, "boundary_loops": 0, "euler_characteristic": 2
     }  # fmt: skip
@@ -86,7 +90,7 @@ def test_analyze(capsys, sphere, tmp_path):
     content = json.loads((tmp_path / "a.json").read_text())
     assert (status, out) == (0, "")
     assert content.keys() == {
-        *("schema", "mesh", "lam", "seconds", "index_sum", "boundary_index_sum", "zero_regions"),
+        *("schema", "read", "mesh", "lam", "seconds", "index_sum", "boundary_index_sum", "zero_regions"),
         *("fixed_points", "boundary_points", "periodic_orbits", "separatrices", "links"),
     }
     assert content["mesh"].keys() == MESH_KEYS
@@ -112,7 +116,7 @@ def test_analyze_a_cache_at_lambda(capsys, design, tmp_path):
 def test_solve_writes_the_cache_and_a_report(capsys, design, tmp_path):
     status, out, err = run(capsys, "solve", design(), "--out", tmp_path / "out", "--json", "-")
     report = json.loads(out)
-    assert (status, err) == (0, "")
+    assert status == 0 and err.startswith("read: ") and err.count("\n") == 1
     assert report["schema"] == "stormfield.solve/1" and report["mesh"].keys() == MESH_KEYS
     assert report["seconds"].keys() == {"read", "solve"}
     assert np.allclose(report["lam"], [0, 1 / 3, 2 / 3, 1])
@@ -172,7 +176,7 @@ def test_bad_designs_are_refused(capsys, design, tmp_path, changes, words):
         (["analyze", "SPHERE"], "--json"),
         (["analyze", "SPHERE", "--lam", "1.5", "--json", "-"], "outside 0..1"),
         (["analyze", "SPHERE", "--lam", "soon", "--json", "-"], "soon"),
-        (["analyze", "SPHERE", "--vector", "a,b,c", "--json", "-"], "no point data 'a'"),
+        (["analyze", "SPHERE", "--vector", "a,b,c", "--json", "-"], "no array 'a'"),
         (["analyze", "SPHERE", "--json", "/nowhere/x.json"], "cannot be written"),
         (["solve", "SPHERE", "--out", "x"], "JSON"),
         (["bake", "nowhere.blend"], "no such file"),

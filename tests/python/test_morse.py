@@ -352,7 +352,7 @@ def test_command_line(capsys, ply, tmp_path):
     assert main(["morse", str(ply), "--json", str(out)]) == 0
     content = json.loads(out.read_text())
     assert content.keys() == {
-        *("schema", "mesh", "lam", "method", "tau", "refinement", "eps", "upper_bound"),
+        *("schema", "read", "mesh", "lam", "method", "tau", "refinement", "eps", "upper_bound"),
         *("map_edges", "morse_sets", "edges", "seconds"),
     }
     assert content["schema"] == "stormfield.morse/1" and content["mesh"]["euler_characteristic"] == 2

@@ -9,7 +9,7 @@ import pytest
 import xarray
 from data_sets import data_set
 from stormfield.model.errors import InputError
-from stormfield.readers import read_field, read_mesh
+from stormfield.readers import Choice, read_field, read_mesh
 from stormfield.readers.icosphere import icosphere
 from stormfield.readers.wind import wind_on_sphere
 
@@ -68,11 +68,11 @@ def test_bad_t_files_are_refused(tmp_path, content, words):
 def test_meshio_formats_with_named_vectors(tmp_path, ending):
     split = {"wx": VECTORS[:, 0], "wy": VECTORS[:, 1], "wz": VECTORS[:, 2]}
     meshio.write(tmp_path / f"a.{ending}", meshio.Mesh(POINTS, [("triangle", TRIANGLES)], point_data=split))
-    data = read_field(tmp_path / f"a.{ending}", vector="wx, wy, wz")
+    data = read_field(tmp_path / f"a.{ending}", Choice("wx, wy, wz"))
     assert np.array_equal(data.vectors[0], VECTORS)
-    with pytest.raises(InputError, match=r"no point data 'wq'.*wx, wy, wz"):
-        read_field(tmp_path / f"a.{ending}", vector="wx,wy,wq")
-    with pytest.raises(InputError, match="which point data"):
+    with pytest.raises(InputError, match=r"no array 'wq'.*wx .*wy .*wz"):
+        read_field(tmp_path / f"a.{ending}", Choice("wx,wy,wq"))
+    with pytest.raises(InputError, match="which array"):
         read_field(tmp_path / f"a.{ending}")
 
 
@@ -152,7 +152,7 @@ def test_times_become_lambda_and_the_scale_counts(tmp_path):
     u, v = rotation_wind(latitude, longitude, AXIS)
     stack = [np.round(100 * np.stack([w, 2 * w, 3 * w])).astype(np.int16) for w in (u, v)]
     np.savez(tmp_path / "w.npz", u=stack[0], v=stack[1], scale=np.float32(0.01), lat=latitude, lon=longitude)
-    data = read_field(tmp_path / "w.npz", sphere_faces=500)
+    data = read_field(tmp_path / "w.npz", Choice(sphere_faces=500))
     assert np.array_equal(data.lambdas, [0.0, 0.5, 1.0])
     exact = np.cross(AXIS, data.mesh.vertices)
     assert np.abs(data.at(0.75) - 2.5 * exact).max() < 0.03
@@ -178,7 +178,7 @@ def test_netcdf_by_name_or_meaning(tmp_path, version):
     )
     for name, dataset in (("named.nc", named), ("meant.nc", meant)):
         dataset.to_netcdf(tmp_path / name, format=version)
-        data = read_field(tmp_path / name, sphere_faces=500)
+        data = read_field(tmp_path / name, Choice(sphere_faces=500))
         assert np.abs(data.vectors[0] - np.cross(AXIS, data.mesh.vertices)).max() < 0.003
 
 
@@ -214,7 +214,7 @@ def test_spheres_out_of_range_are_refused(faces):
 
 def test_michael_turns_counter_clockwise_over_the_gulf():
     """The strongest cyclone of the box is where the data's own README puts it."""
-    data = read_field(data_set("gfs_wind_michael_2018.npz"), sphere_faces=80000)
+    data = read_field(data_set("gfs_wind_michael_2018.npz"), Choice(sphere_faces=80000))
     points = data.mesh.vertices
     latitude, longitude = np.degrees(np.arcsin(points[:, 2])), np.degrees(np.arctan2(points[:, 1], points[:, 0]))
     wind = data.vectors[26]  # the 10th, 00:00: eye at 27 N 87 W

@@ -10,7 +10,7 @@ from command_line import refused, run
 from data_sets import data_set
 from stormfield import native
 from stormfield.analysis import tracking
-from stormfield.readers import read_field
+from stormfield.readers import Choice, read_field
 
 LATITUDE, LONGITUDE = np.arange(-90.0, 91.0, 3.0), np.arange(0.0, 360.0, 3.0)
 
@@ -53,7 +53,7 @@ def native_field(data):
 
 
 def test_paths_are_those_of_the_core(grid):
-    field = native_field(read_field(grid(), sphere_faces=1280))
+    field = native_field(read_field(grid(), Choice(sphere_faces=1280)))
     found = tracking.track(field)
     assert len(found.paths) > 5 and len(found.bifurcations) > 2
     for i, path in enumerate(found.paths):
@@ -78,7 +78,7 @@ def test_paths_are_those_of_the_core(grid):
 
 
 def test_the_indices_of_the_living_add_up(grid):
-    field = native_field(read_field(grid(), sphere_faces=1280))
+    field = native_field(read_field(grid(), Choice(sphere_faces=1280)))
     job = tracking.start(field)
     job.wait()
     assert job.done and job.fraction == 1.0
@@ -90,7 +90,7 @@ def test_the_indices_of_the_living_add_up(grid):
 
 
 def test_weak_paths_are_left_out(grid):
-    field = native_field(read_field(grid(), sphere_faces=1280))
+    field = native_field(read_field(grid(), Choice(sphere_faces=1280)))
     everything = tracking.track(field)
     bound = float(np.median([path.strength for path in everything.paths]))
     found = tracking.track(field, min_strength=bound)
@@ -100,7 +100,7 @@ def test_weak_paths_are_left_out(grid):
 
 
 def test_faults_are_input_errors(grid):
-    field = native_field(read_field(grid(), sphere_faces=320))
+    field = native_field(read_field(grid(), Choice(sphere_faces=320)))
     with pytest.raises(native.InputError, match="chord tolerance"):
         native.start_tracking(field, chord_tolerance=0.0).result()
     done = native.start_tracking(field).result()
@@ -207,7 +207,7 @@ def degrees_apart(position, latitude, longitude):
 def test_hurricane_michael_is_one_path():
     """Within 1.5 degrees of the strongest vorticity at every hour but one, at which the model's eye is open."""
     path = data_set("gfs_wind_michael_2018.npz")
-    found = tracking.track(native_field(read_field(path, sphere_faces=80000)), min_life=tracking.MIN_LIFE)
+    found = tracking.track(native_field(read_field(path, Choice(sphere_faces=80000))), min_life=tracking.MIN_LIFE)
     near = [p for p in found.paths if p.begin == "first" and degrees_apart(p.positions[0], 17, -87) < 1.5]
     michael = max(near, key=lambda p: p.life)
     assert (michael.first, michael.last, michael.kind) == (0.0, 1.0, "sink")
@@ -244,7 +244,7 @@ def strongest_vorticity(u, v, latitude, longitude):
 
 def test_the_sphere_holds_everything_there_is_to_track():
     """Euler's sum at random times on real wind."""
-    found = tracking.track(native_field(read_field(data_set("gfs_wind_michael_2018.npz"), sphere_faces=20000)))
+    found = tracking.track(native_field(read_field(data_set("gfs_wind_michael_2018.npz"), Choice(sphere_faces=20000))))
     for lam in np.random.default_rng(4).uniform(0.0, 1.0, 20):
         assert sum(path.index for path in found.alive(lam)) == 2
     assert len(found.paths) > 1000
