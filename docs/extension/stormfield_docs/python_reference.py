@@ -130,7 +130,7 @@ def stub() -> ast.Module:
     """The stub package that the build makes from the module and installs beside it."""
     found = importlib.util.find_spec("stormfield_native-stubs")
     assert found is not None and found.submodule_search_locations, "build Stormfield first: make"
-    (folder,) = found.submodule_search_locations
+    folder = next(iter(found.submodule_search_locations))  # the first on the path, as in an import
     return ast.parse((Path(folder) / "__init__.pyi").read_text(encoding="utf-8"))
 
 
