@@ -11,7 +11,7 @@ Checks that need the surface (points off it, elements that contradict each other
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
@@ -37,6 +37,15 @@ SingularKind = Literal[
     "spiral_out_cw",
 ]
 KINDS: tuple[SingularKind, ...] = get_args(SingularKind)
+#: The kind that each one that turns becomes in a mirror.
+_MIRRORED: dict[SingularKind, SingularKind] = {
+    "vortex_ccw": "vortex_cw",
+    "vortex_cw": "vortex_ccw",
+    "spiral_in_ccw": "spiral_in_cw",
+    "spiral_in_cw": "spiral_in_ccw",
+    "spiral_out_ccw": "spiral_out_cw",
+    "spiral_out_cw": "spiral_out_ccw",
+}
 #: The two fields of one mesh (thesis 9.2): what turns the texture, and what moves it.
 FieldName = Literal["orientation", "advection"]
 FIELDS: tuple[FieldName, FieldName] = ("orientation", "advection")
@@ -69,6 +78,11 @@ class Element:
 
     def acts_on(self, name: FieldName) -> bool:
         return self.field in (name, "both")
+
+    def mirrored(self) -> "Element":
+        """The same element as it must act on a mesh that is shown mirrored: left and right exchanged."""
+        kind = _MIRRORED.get(self.kind, self.kind)
+        return replace(self, kind=kind, angle=-self.angle)
 
     def check(self) -> None:
         """Raises InputError on the first fault that can be seen without the surface."""

@@ -34,7 +34,7 @@ FIELDS = (
     ("orientation", "Orientation", "Shapes only the field that turns the texture"),
     ("advection", "Advection", "Shapes only the field that moves the texture"),
 )
-SOURCES = {"CURVE", "CURVES", "EMPTY", "MESH"}
+SOURCES = {"CURVE", "CURVES", "EMPTY", "FONT", "GREASEPENCIL", "MESH"}
 
 
 def _is_source(_self, candidate: bpy.types.Object) -> bool:
@@ -48,7 +48,8 @@ class ElementProperties(bpy.types.PropertyGroup):
         type=bpy.types.Object,
         name="Source",
         poll=_is_source,
-        description="Curve, hair curves, edges of a mesh, or empty where the element is; it may be animated",
+        description="Curve, text, hair curves, Grease Pencil, edges of a mesh, or empty where the element is; "
+        "it may be animated, and hidden",
     )
     type: EnumProperty(name="Type", description="What the source object means for the field", items=TYPES)
     kind: EnumProperty(name="Kind", description="How the field flows around the fixed point", items=KINDS)

@@ -17,7 +17,10 @@ def read_polylines(source: bpy.types.Object, depsgraph: bpy.types.Depsgraph, to_
         source.update_from_editmode()
     evaluated = source.evaluated_get(depsgraph)
     matrix = np.array(to_mesh @ evaluated.matrix_world)
-    readers = {"CURVE": _legacy_curve, "CURVES": _hair_curves, "MESH": _mesh_edges, "GREASEPENCIL": _grease_pencil}
+    readers = {
+        "CURVE": _legacy_curve, "FONT": _legacy_curve, "CURVES": _hair_curves, "MESH": _mesh_edges,
+        "GREASEPENCIL": _grease_pencil,
+    }  # fmt: skip
     lines = (np.asarray(line, dtype=np.float64) for line in readers[source.type](evaluated, depsgraph))
     return [line @ matrix[:3, :3].T + matrix[:3, 3] for line in lines if len(line) > 0]
 

@@ -18,6 +18,7 @@ from ...model.mesh_data import MeshData
 from .curves import read_polylines
 from .lambda_keys import lambda_at_frames, lambda_frames, lambda_per_second
 from .mesh import read_mesh
+from .places import Placed, Places
 
 #: Most places that are read of an animated curve, which changes as a whole.
 MAX_CURVES = 24
@@ -43,11 +44,14 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
             raise InputError(f"Element '{element.name}' has no source; choose a curve or an empty, or turn it off")
         if element.source == obj:
             raise InputError(f"Element '{element.name}' has the field's own mesh as source; choose another object")
-    moving = _moving_places(context, obj, [element for element in enabled if element.from_animation])
     elements: list[Element] = []
-    for element in enabled:
-        places = next(moving) if element.from_animation else [_place(context, obj, element, element.lam_start)]
-        elements.extend(_elements(element, places))
+    with Places(context) as placed:
+        moving = _moving_places(context, placed, obj, [element for element in enabled if element.from_animation])
+        mirrored = placed.matrix_world(obj).is_negative
+        for element in enabled:
+            places = next(moving) if element.from_animation else [_place(placed, obj, element, element.lam_start)]
+            made = _elements(element, places)
+            elements.extend(each.mirrored() if mirrored else each for each in made)
     return mesh, Design(
         elements=tuple(elements),
         settings=SolveSettings(
@@ -60,7 +64,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
     )
 
 
-def _moving_places(context, obj, elements) -> Iterator[list[_Place]]:
+def _moving_places(context, placed: Places, obj, elements) -> Iterator[list[_Place]]:
     """For each element its places in the order of λ; the frames are gone through once for all of them."""
     if not elements:
         return iter(())
@@ -75,31 +79,33 @@ def _moving_places(context, obj, elements) -> Iterator[list[_Place]]:
             if lam <= highest:  # λ is constant or decreases: its place is known
                 continue
             highest = lam
-            scene.frame_set(frame)
+            placed.at_frame(frame)
             for known, element in zip(places, elements, strict=True):
-                known.append(_place(context, obj, element, lam))
+                known.append(_place(placed, obj, element, lam))
     finally:
-        scene.frame_set(before[0], subframe=before[1])
+        placed.at_frame(*before)
     return iter(places)
 
 
-def _place(context, obj, element, lam: float) -> _Place:
-    depsgraph = context.evaluated_depsgraph_get()
-    to_mesh = obj.evaluated_get(depsgraph).matrix_world.inverted_safe()
-    source = element.source
-    if source.type == "EMPTY":
-        return _Place((_empty_line(source, depsgraph, to_mesh, element.radius),), lam)
-    lines = read_polylines(source, depsgraph, to_mesh)
+def _place(placed: Places, obj, element, lam: float) -> _Place:
+    to_mesh = placed.matrix_world(obj).inverted_safe()
+    source = placed.of(element.source)
+    if element.source.type == "EMPTY":
+        return _Place((_empty_line(source, to_mesh, element.radius),), lam)
+    lines = read_polylines(source.object, source.depsgraph, to_mesh)
     if not lines:
-        raise InputError(f"Element '{element.name}': '{source.name}' has no curve yet; draw one, or turn it off")
+        raise InputError(
+            f"Element '{element.name}': '{element.source.name}' has no curve yet; draw one, or turn it off"
+        )
     return _Place(tuple(lines), lam)
 
 
-def _empty_line(source, depsgraph, to_mesh: Matrix, radius: float) -> np.ndarray:
+def _empty_line(source: Placed, to_mesh: Matrix, radius: float) -> np.ndarray:
     """The empty's place and a point one radius along its X axis, both in the mesh's space."""
-    matrix = to_mesh @ source.evaluated_get(depsgraph).matrix_world
+    matrix: Matrix = to_mesh @ source.evaluated.matrix_world
     place = np.array(matrix.translation)
-    axis = np.array(matrix.col[0].to_3d().normalized())
+    axis = np.array(matrix)[:3, 0]
+    axis /= np.linalg.norm(axis) or 1.0
     return np.array([place, place + radius * axis])
 
 
