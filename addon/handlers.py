@@ -5,7 +5,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .scene.write import cache_folders, mirror
-from .session import morse_preview, morse_state, running, solver_state
+from .session import freshness, morse_preview, morse_state, running, solver_state
 from .ui import overlay
 
 
@@ -27,6 +27,7 @@ def stop_job(*_):
 @persistent
 def forget_drawings(*_):
     overlay.forget()
+    freshness.forget()
 
 
 @persistent
@@ -43,6 +44,7 @@ def forget_morse(*_):
 @persistent
 def mark_changed(_scene, depsgraph):
     overlay.mark_changed(depsgraph)
+    freshness.mark_changed(depsgraph)
 
 
 @persistent

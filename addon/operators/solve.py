@@ -8,7 +8,7 @@ from ..scene.read import folders
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
 from ..scene.write import attach
-from ..session import solver_state
+from ..session import freshness, solver_state
 from . import requirements
 from .job_operator import JobOperator
 
@@ -31,11 +31,13 @@ class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
 
     def start(self, context, obj):
         mesh, design = read_design(context, obj)
+        self._read = freshness.read(obj)
         state = solver_state.of(obj) if obj.stormfield.solve.keep_solver else None
         return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj), state=state)
 
     def finish(self, context, obj, folder):
         attach.show_solved(obj, folder)
+        freshness.keep(obj, self._read)
         self.report({"INFO"}, f"'{obj.name}' is solved; move λ or scrub the timeline to see it")
 
 

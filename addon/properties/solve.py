@@ -2,7 +2,7 @@
 """Settings of the space-time solve."""
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from ..model.design import SolveSettings
 
@@ -52,4 +52,7 @@ class SolveProperties(bpy.types.PropertyGroup):
         "starts from the last field and takes about half the time. A bake solves from zero first, so its files "
         "never depend on earlier edits",
         default=True,
+    )
+    solved: StringProperty(
+        name="Solved", description="What the last solve read, to know when the field is out of date", options={"HIDDEN"}
     )

@@ -8,6 +8,7 @@ from ..cache.layout import STAGE
 from ..operators import bake, requirements, solve
 from ..scene.read.active_field import active_field
 from ..scene.read.attached import FRAMES, LAMBDA, attached_folder
+from . import out_of_date
 from .panel_parts import FieldPanel, SidebarPanel, job_button, text_lines
 
 
@@ -112,6 +113,7 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         obj = active_field(context)
         settings = obj.stormfield.solve
         job_button(context, layout, solve.STORMFIELD_OT_solve, obj, icon="PLAY")
+        out_of_date.draw_in_panel(context, layout, obj)
         column = layout.column()
         column.prop(settings, "even_speed", slider=True)
         column.prop(settings, "lambda_weight")

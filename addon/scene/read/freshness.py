@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a solve reads of a scene, in short, and how two such readings differ: whether a field is out of date.
+
+    before = read(obj)                  # when the solve begins; plain JSON values, kept with the object
+    changes(before, read(obj))          # ["the mesh was changed", "'Storm' was moved"]; empty while all is the same
+
+Nothing is evaluated and nothing is written, so that panels and draw handlers may ask. Every setting of the elements and
+of the solve counts by itself, also one that is added later; session/freshness.py keeps the answer until Blender reports
+a change.
+"""
+
+import hashlib
+from collections.abc import Iterable, Iterator
+
+import bpy
+import numpy as np
+
+from ... import compat
+from ...model.words import Json
+
+#: Settings that change no field.
+IDLE = frozenset({"rna_type", "name", "enabled", "solved", "keep_solver"})
+#: Places that differ by less, over the object's diagonal, are the same: round-off of matrices.
+SAME_PLACE = 1e-5
+
+
+def read(obj: bpy.types.Object, mesh: str | None = None) -> dict[str, Json]:
+    """mesh, settings: digests; elements: one entry for each that is turned on. mesh: its digest where it is known."""
+    return {
+        "mesh": mesh or mesh_digest(obj.data),
+        "settings": settings_digest(obj),
+        "size": max(obj.dimensions[:]),
+        "elements": [_element(obj, element) for element in obj.stormfield.elements if element.enabled],
+    }
+
+
+def changes(before: dict[str, Json], now: dict[str, Json]) -> list[str]:
+    """What has changed, in words; empty when a solve would find the same scene."""
+    found = []
+    if before["mesh"] != now["mesh"]:
+        found.append("the mesh was changed")
+    if before["settings"] != now["settings"]:
+        found.append("settings were changed")
+    left = list(before["elements"])
+    slack = SAME_PLACE * max(float(now["size"]), 1e-9)
+    changed = []
+    for element in now["elements"]:
+        same = next((old for old in left if _same(old, element, slack)), None)
+        if same is None:
+            changed.append(element)
+        else:
+            left.remove(same)
+    known = {old["name"]: old for old in left}
+    for element in changed:
+        old = known.pop(element["name"], None)
+        found.append(f"'{element['name']}' was {_how(old, element)}")
+    found += [f"'{name}' was removed or turned off" for name in known]
+    return found
+
+
+def mesh_digest(mesh: bpy.types.Mesh) -> str:
+    """Of vertices and corners, as Object Mode has them."""
+    vertices = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return _digest([len(mesh.polygons)], vertices, corners)
+
+
+def settings_digest(obj: bpy.types.Object) -> str:
+    return _digest(values_of(obj.stormfield.solve))
+
+
+def _how(old, element) -> str:
+    if old is None:
+        return "added or turned on"
+    if old["settings"] != element["settings"]:
+        return "changed"
+    return "drawn anew" if old["shape"] != element["shape"] else "moved"
+
+
+def _same(old, new, slack: float) -> bool:
+    if (old["settings"], old["shape"], len(old["place"])) != (new["settings"], new["shape"], len(new["place"])):
+        return False
+    return bool(np.allclose(old["place"], new["place"], rtol=0.0, atol=slack))
+
+
+def _element(obj: bpy.types.Object, element) -> dict[str, Json]:
+    source = element.source
+    entry: dict[str, Json] = {"name": element.name, "settings": _digest(values_of(element))}
+    if source is None:
+        return {**entry, "shape": "", "place": []}
+    keys = list(_keys_of(source))
+    if keys:  # where it is follows from its keys, and no frame is another's change
+        return {**entry, "shape": _digest(*_shape(source), *keys, *_keys(obj)), "place": []}
+    place = np.array(obj.matrix_world.inverted_safe() @ source.matrix_world)[:3]
+    return {**entry, "shape": _digest(*_shape(source)), "place": place.ravel().tolist()}
+
+
+def values_of(group: bpy.types.PropertyGroup) -> tuple[object, ...]:
+    """All numbers, words and switches of a group of settings."""
+    return tuple(_values(group))
+
+
+def _values(group: bpy.types.PropertyGroup) -> Iterator[object]:
+    for prop in group.bl_rna.properties:
+        if prop.identifier in IDLE or prop.type in {"POINTER", "COLLECTION"}:
+            continue
+        value = getattr(group, prop.identifier)
+        yield prop.identifier, tuple(value) if getattr(prop, "is_array", False) else value
+
+
+def _shape(source: bpy.types.Object) -> Iterator[object]:
+    """The control points of a source in its own space."""
+    yield source.type, [(modifier.name, modifier.show_viewport) for modifier in source.modifiers]
+    data = source.data
+    if source.type == "CURVE":
+        for spline in data.splines:
+            yield spline.type, spline.use_cyclic_u, spline.order_u, spline.resolution_u
+            if spline.type == "BEZIER":
+                yield from (_points(spline.bezier_points, name) for name in ("co", "handle_left", "handle_right"))
+            else:
+                yield _points(spline.points, "co", 4)
+    elif source.type == "CURVES":
+        yield _points(data.attributes["position"].data, "vector") if len(data.points) else ()
+        yield [curve.points_length for curve in data.curves]
+    elif source.type == "MESH":
+        yield _points(data.vertices, "co")
+        edges = np.empty(len(data.edges) * 2, np.int32)
+        data.edges.foreach_get("vertices", edges)
+        yield edges
+    elif source.type == "GREASEPENCIL":
+        for layer in data.layers:
+            frame = layer.current_frame()
+            yield layer.hide, [tuple(row) for row in layer.matrix_local]
+            for stroke in frame.drawing.strokes if frame else ():
+                yield [tuple(point.position) for point in stroke.points]
+
+
+def _points(collection, name: str, width: int = 3) -> np.ndarray:
+    values = np.empty(len(collection) * width, np.float32)
+    collection.foreach_get(name, values)
+    return values
+
+
+def _keys_of(source: bpy.types.Object) -> Iterator[object]:
+    """Keys and drivers that move the source, its parents or its shape."""
+    holder: bpy.types.Object | None = source
+    while holder is not None:
+        yield from _keys(holder)
+        holder = holder.parent
+    if source.data is not None:
+        yield from _keys(source.data)
+
+
+def _keys(owner: bpy.types.ID) -> Iterator[object]:
+    if getattr(owner, "animation_data", None) is None:
+        return
+    for curve in compat.fcurves(owner):
+        keys = np.empty(len(curve.keyframe_points) * 2, np.float32)
+        curve.keyframe_points.foreach_get("co", keys)
+        yield curve.data_path, curve.array_index
+        yield keys
+    for driver in owner.animation_data.drivers:
+        yield driver.data_path, driver.driver.expression
+
+
+def _digest(*parts: object) -> str:
+    digest = hashlib.blake2b(digest_size=12)
+    for part in _flat(parts):
+        digest.update(part)
+    return digest.hexdigest()
+
+
+def _flat(parts: Iterable[object]) -> Iterator[bytes]:
+    for part in parts:
+        yield part.tobytes() if isinstance(part, np.ndarray) else repr(part).encode()
+        yield b"|"

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether an object's field is out of date: elements, mesh or settings have changed since they were solved.
+
+    known = freshness.read(obj)         # when a solve begins
+    freshness.keep(obj, known)          # when its field is attached: undo brings field and knowledge back together
+    freshness.why_out_of_date(obj)      # "'Storm' was moved"; empty while the field is what a solve would give
+
+The answer is kept until Blender reports a change, so that panels and draw handlers may ask at every redraw. The mesh is
+looked at again only when Blender reports a change of the mesh itself.
+"""
+
+import json
+from dataclasses import dataclass, field
+
+import bpy
+
+from ..model.words import Json
+from ..scene.read import freshness as reading
+from ..scene.read.attached import LAMBDA, attached_folder
+
+
+@dataclass
+class _Known:
+    """The last answer for one object, and what it was given for."""
+
+    asked: tuple = ()
+    answer: str = ""
+    mesh: dict[tuple, str] = field(default_factory=dict)  #: digest of the mesh, by its version
+
+
+_known: dict[int, _Known] = {}
+_changes = 0
+_meshes: dict[int, int] = {}  #: how often each mesh was changed, by its session uid
+
+
+def mark_changed(depsgraph: bpy.types.Depsgraph) -> None:
+    """Called after Blender has evaluated changes."""
+    global _changes
+    _changes += 1
+    for update in depsgraph.updates:
+        if update.is_updated_geometry and isinstance(update.id, bpy.types.Mesh):
+            uid = update.id.original.session_uid
+            _meshes[uid] = _meshes.get(uid, 0) + 1
+
+
+def forget() -> None:
+    _known.clear()
+    _meshes.clear()
+
+
+def read(obj: bpy.types.Object) -> dict[str, Json]:
+    """What a solve reads now, for keep()."""
+    return reading.read(obj)
+
+
+def keep(obj: bpy.types.Object, known: dict[str, Json]) -> None:
+    """Remember with the object what its field was solved from."""
+    obj.stormfield.solve.solved = json.dumps(known)
+    _known.pop(obj.session_uid, None)
+
+
+def why_out_of_date(obj: bpy.types.Object) -> str:
+    """What has changed since Solve; empty where nothing has, nothing was solved, or it is not known from what."""
+    text = obj.stormfield.solve.solved
+    if not text or attached_folder(obj, LAMBDA) is None:
+        return ""
+    known = _known.setdefault(obj.session_uid, _Known())
+    asked = (_changes, text, _settings(obj), _mesh_version(obj.data))
+    if known.asked != asked:
+        known.asked, known.answer = asked, "; ".join(_changes_since(obj, json.loads(text), known))
+    return known.answer
+
+
+def _changes_since(obj: bpy.types.Object, before: dict[str, Json], known: _Known) -> list[str]:
+    version = _mesh_version(obj.data)
+    if version not in known.mesh:
+        known.mesh = {version: reading.mesh_digest(obj.data)}
+    return reading.changes(before, reading.read(obj, known.mesh[version]))
+
+
+def _mesh_version(mesh: bpy.types.Mesh) -> tuple:
+    counts = len(mesh.vertices), len(mesh.edges), len(mesh.loops), len(mesh.polygons)
+    return mesh.session_uid, _meshes.get(mesh.session_uid, 0), *counts
+
+
+def _settings(obj: bpy.types.Object) -> tuple:
+    """What scripts may set without Blender's knowledge."""
+    elements = obj.stormfield.elements
+    return reading.settings_digest(obj), tuple(
+        (element.name, element.enabled, element.source, reading.values_of(element)) for element in elements
+    )
