@@ -42,7 +42,7 @@ def main() -> None:
     head = shapes.add_head(scene, voxel_size=0.04 * 2**-options.detail)
     scene.frame_start, scene.frame_end = 1, options.frames
     design(scene, head)
-    parts.add_field(head, options.frames, samples=60, period=48, even_speed=0.7)
+    parts.add_field(head, scene, samples=60, period=48, even_speed=0.7)
     head.data.materials.append(shading.build_material("brushed_stripes", scale=6.0, stripes=2.0))
     parts.add_studio(scene, 720, 720)
     parts.add_camera(scene, (0.6, -5.2, 0.3), (0.0, 0.0, -0.22), lens=62.0)

@@ -58,7 +58,7 @@ def main() -> None:
     for monkey, material, x in monkeys:
         design(scene, monkey, eyes=material == "lava")
         monkey.location.x = x
-        parts.add_field(monkey, options.frames, samples=40, period=48, even_speed=0.7)
+        parts.add_field(monkey, scene, samples=40, period=48, even_speed=0.7)
         monkey.data.materials.append(shading.build_material(material))
     parts.add_studio(scene, 960, 480)
     parts.add_camera(scene, (0.0, -9.0, 1.0), (0.0, 0.0, 0.0), lens=56.0)

@@ -51,7 +51,7 @@ def main() -> None:
     ring = shapes.add_ring(scene, MAJOR, MINOR, options.detail)
     scene.frame_start, scene.frame_end = 1, options.frames
     design(scene, ring)
-    parts.add_field(ring, options.frames, samples=40, period=36, even_speed=0.8)
+    parts.add_field(ring, scene, samples=40, period=36, even_speed=0.8)
     ring.data.materials.append(shading.build_material("brushed_stripes", scale=4.5, stripes=2.0))
     parts.add_studio(scene, 800, 600)
     parts.add_camera(scene, (0.0, -4.2, 3.2), (0.0, 0.0, -0.05), lens=60.0)

@@ -54,9 +54,18 @@ class JobOperator(FieldOperator):
         """Why the work cannot begin now, and the cure; empty when it can."""
         return ""
 
+    def subject(self, context):
+        """The object that the work is for."""
+        return active_field(context)
+
+    def was_stopped(self, name: str) -> set[str]:
+        """Say what is left after the work for the object of that name was stopped before it had a result."""
+        self.report({"WARNING"}, f"{self.job_title} '{name}' was stopped; it is as it was before")
+        return {"CANCELLED"}
+
     def execute(self, context):
         """The whole work in one call."""
-        obj = active_field(context)
+        obj = self.subject(context)
         self._job = running.begin(self.job_title, obj)
         try:
             steps = self.start(context, obj)
@@ -77,7 +86,7 @@ class JobOperator(FieldOperator):
     def invoke(self, context, _event):
         if bpy.app.background:
             return self.execute(context)
-        obj = active_field(context)
+        obj = self.subject(context)
         self._steps, self._shown, self._ending = None, "", False
         try:
             self._steps = self.start(context, obj)
@@ -158,8 +167,7 @@ class JobOperator(FieldOperator):
 
     def _stopped(self, context):
         self._leave(context)
-        self.report({"WARNING"}, f"{self.job_title} '{self._job.object_name}' was stopped; it is as it was before")
-        return {"CANCELLED"}
+        return self.was_stopped(self._job.object_name)
 
     def _finished(self, context, result):
         obj = self._job.object()

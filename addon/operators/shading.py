@@ -23,7 +23,7 @@ class STORMFIELD_OT_apply_material(FieldOperator, bpy.types.Operator):
     def execute(self, context):
         obj = active_field(context)
         try:
-            material = shading.build_material(self.material)
+            material = shading.shared_material(self.material)
         except ValueError as fault:
             return report_fault(self, fault)
         if obj.active_material is None and not obj.data.materials:

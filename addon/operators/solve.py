@@ -20,12 +20,9 @@ def why_not(obj: bpy.types.Object) -> str:
     return requirements.problem()
 
 
-class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
-    """Solve the field for every λ, cache it and show it on the mesh. Esc stops"""
+class SolvingOperator(JobOperator):
+    """Mix-in of operators that solve a field and show it."""
 
-    bl_idname = "stormfield.solve"
-    bl_label = "Solve"
-    bl_options = {"REGISTER", "UNDO"}
     job_title = "Solving"
     why_not = staticmethod(why_not)
 
@@ -35,9 +32,20 @@ class STORMFIELD_OT_solve(JobOperator, bpy.types.Operator):
         state = solver_state.of(obj) if obj.stormfield.solve.keep_solver else None
         return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj), state=state)
 
-    def finish(self, context, obj, folder):
+    def finish(self, _context, obj, folder):
         attach.show_solved(obj, folder)
         freshness.keep(obj, self._read)
+
+
+class STORMFIELD_OT_solve(SolvingOperator, bpy.types.Operator):
+    """Solve the field for every λ, cache it and show it on the mesh. Esc stops"""
+
+    bl_idname = "stormfield.solve"
+    bl_label = "Solve"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def finish(self, context, obj, folder):
+        super().finish(context, obj, folder)
         self.report({"INFO"}, f"'{obj.name}' is solved; move λ or scrub the timeline to see it")
 
 

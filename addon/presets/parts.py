@@ -10,7 +10,7 @@ import bmesh
 import bpy
 from mathutils import Vector
 
-from ..compat import find_fcurve
+from ..scene.write.lambda_keys import key_lambda_over_scene
 
 Point = Sequence[float]
 
@@ -51,9 +51,13 @@ def element_collection(scene: bpy.types.Scene, obj: bpy.types.Object) -> bpy.typ
 
 
 def curve_object(
-    name: str, points: Iterable[Point], collection: bpy.types.Collection, cyclic: bool = False
+    name: str,
+    points: Iterable[Point],
+    collection: bpy.types.Collection,
+    parent: bpy.types.Object | None = None,
+    cyclic: bool = False,
 ) -> bpy.types.Object:
-    """A polyline as a curve object."""
+    """A polyline as a curve object, in the space of its parent."""
     curve = bpy.data.curves.new(name, "CURVE")
     curve.dimensions = "3D"
     corners = [(*point, 1.0) for point in points]
@@ -63,6 +67,7 @@ def curve_object(
         target.co = corner
     spline.use_cyclic_u = cyclic
     obj = bpy.data.objects.new(name, curve)
+    obj.parent = parent
     collection.objects.link(obj)
     return obj
 
@@ -80,15 +85,6 @@ def add_element(obj: bpy.types.Object, source: bpy.types.Object, **settings: obj
     element.name, element.source = source.name, source
     for name, value in settings.items():
         setattr(element, name, value)
-
-
-def key_lambda(obj: bpy.types.Object, first_frame: int, last_frame: int) -> None:
-    """λ runs evenly from 0 at the first frame to 1 at the last."""
-    for frame, lam in ((first_frame, 0.0), (last_frame, 1.0)):
-        obj.stormfield.lam = lam
-        obj.keyframe_insert("stormfield.lam", frame=frame)
-    for key in find_fcurve(obj, "stormfield.lam").keyframe_points:
-        key.interpolation = "LINEAR"
 
 
 def look_at(obj: bpy.types.Object, target: Point) -> None:
@@ -163,10 +159,10 @@ def add_studio(scene: bpy.types.Scene, width: int, height: int, samples: int = 1
     add_area_light(scene, (3.5, 3.0, 0.5), 160.0, 1.5, (1.0, 0.7, 0.5))
 
 
-def add_field(obj: bpy.types.Object, frames: int, samples: int, period: int, even_speed: float) -> None:
-    """Turn the object into one with a field: λ keyed over the frames, solve and bake settings."""
+def add_field(obj: bpy.types.Object, scene: bpy.types.Scene, samples: int, period: int, even_speed: float) -> None:
+    """Turn the object into one with a field: λ keyed over the scene's frames, solve and bake settings."""
     settings = obj.stormfield
     settings.enabled = True
     settings.solve.samples, settings.solve.even_speed = samples, even_speed
     settings.bake.period = period
-    key_lambda(obj, 1, frames)
+    key_lambda_over_scene(scene, obj)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..shading import build_material
+from ..shading import shared_material
 from . import parts
 
 MERGE = 0.6  # λ at which two storms become one
@@ -66,18 +66,32 @@ def on_sphere(longitude: float, latitude: float, radius: float = 1.0) -> tuple[f
     return (radius * math.cos(lat) * math.cos(lon), radius * math.cos(lat) * math.sin(lon), radius * math.sin(lat))
 
 
+#: From where the storms are seen: (longitude, latitude).
+SEEN_FROM = (6.0, -25.0)
+PERIOD = 1.75  # seconds until a phase of the clouds starts anew
+
+
 def build(context: bpy.types.Context, subdivisions: int = 7, frames: int = 84) -> bpy.types.Object:
-    """Add planet, elements, λ keys, material, camera, light and render settings to the scene; returns the planet.
+    """The whole scene to render: planet, camera, light and render settings; returns the planet."""
+    context.scene.frame_start, context.scene.frame_end = 1, frames
+    context.scene.render.fps = 24
+    planet = build_planet(context.scene, subdivisions)
+    add_stage(context.scene)
+    context.view_layer.objects.active = planet
+    return planet
+
+
+def build_planet(scene: bpy.types.Scene, subdivisions: int, place: parts.Point = (0.0, 0.0, 0.0)) -> bpy.types.Object:
+    """The planet with its elements and material at a place, λ keyed over the scene's frames; all else is left alone.
 
     ``subdivisions`` is that of Blender's icosphere: 7 makes 41 k vertices, 6 a quarter of that."""
-    scene = context.scene
     planet = parts.add_icosphere(scene, "Gas Giant", subdivisions)
     parts.concentrate(planet.data, on_sphere(*MEETING), 2.2)
+    planet.location = place
     _add_elements(scene, planet)
-    parts.add_field(planet, frames, samples=60, period=42, even_speed=0.0)
-    planet.data.materials.append(build_material("storm_clouds"))
-    _add_stage(scene, frames)
-    context.view_layer.objects.active = planet
+    period = max(2, round(PERIOD * scene.render.fps / scene.render.fps_base))
+    parts.add_field(planet, scene, samples=60, period=period, even_speed=0.0)
+    planet.data.materials.append(shared_material("storm_clouds"))
     return planet
 
 
@@ -86,24 +100,23 @@ def _add_elements(scene: bpy.types.Scene, planet: bpy.types.Object) -> None:
     size = math.sqrt(4.0 * math.pi)  # of the unit sphere: the unit of speeds is sizes per second
     for jet in JETS:
         circle = [on_sphere(longitude, jet.latitude) for longitude in range(360)]
-        source = parts.curve_object(f"Jet {jet.latitude:+d}°", circle, collection, cyclic=True)
+        source = parts.curve_object(f"Jet {jet.latitude:+d}°", circle, collection, planet, cyclic=True)
         speed = jet.speed * math.cos(math.radians(jet.latitude)) / size
         parts.add_element(planet, source, type="streamline", strength=speed, radius=jet.half_width)
     for storm in STORMS:
         path = [on_sphere(*place) for place in storm.places]
-        source = parts.curve_object(storm.name, path, collection)
+        source = parts.curve_object(storm.name, path, collection, planet)
         parts.add_element(
             planet, source, type="singular", kind="vortex_ccw", lam_start=storm.lam[0], lam_end=storm.lam[1],
             strength=storm.spin * storm.radius / size, radius=storm.radius,
         )  # fmt: skip
 
 
-def _add_stage(scene: bpy.types.Scene, frames: int) -> None:
-    scene.frame_start, scene.frame_end = 1, frames
-    scene.render.fps = 24
+def add_stage(scene: bpy.types.Scene) -> None:
+    """Camera, sun, world and render settings for a planet at the origin."""
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 960, 540, 100
     scene.view_settings.view_transform = "Standard"
     parts.set_cycles(scene, samples=3)
     parts.set_world(scene, (0.0005, 0.0007, 0.0012))
     parts.add_sun(scene, on_sphere(30.0, 8.0), energy=3.5, color=(1.0, 0.97, 0.92), shadow=False)
-    parts.add_camera(scene, on_sphere(6.0, -25.0, 2.62), on_sphere(1.5, -19.5), lens=50.0)
+    parts.add_camera(scene, on_sphere(*SEEN_FROM, 2.62), on_sphere(1.5, -19.5), lens=50.0)

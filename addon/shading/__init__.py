@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials that flow: procedural, CC0, for Cycles and EEVEE, built as node trees from the baked attributes.
 
-``MATERIALS`` maps an identifier to (label, builder); ``build_material`` makes one and returns it.
+``MATERIALS`` maps an identifier to (label, builder); ``shared_material`` is the one of a file, ``build_material`` makes
+a new one.
 Settings of a builder are the inputs of its node group in lower case.
 """
 
@@ -22,8 +23,20 @@ MATERIALS = {
 }
 
 
+#: Custom property of our materials: their identifier. Never a name: an artist may have a "Lava" of their own.
+MARK = "stormfield"
+
+
+def shared_material(identifier: str) -> bpy.types.Material:
+    """The file's material of that identifier as the artist left it, built where there is none yet."""
+    known = (material for material in bpy.data.materials if material.get(MARK) == identifier)
+    return next(known, None) or build_material(identifier)
+
+
 def build_material(identifier: str, **settings: float) -> bpy.types.Material:
-    """The material of that identifier; one of the same name is rebuilt, so that its users follow."""
+    """A new material of that identifier."""
     if identifier not in MATERIALS:
         raise ValueError(f"There is no material '{identifier}'; choose one of {', '.join(MATERIALS)}")
-    return MATERIALS[identifier][1](**settings)
+    material = MATERIALS[identifier][1](**settings)
+    material[MARK] = identifier
+    return material

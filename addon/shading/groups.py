@@ -18,18 +18,24 @@ from ..scene.nodes.tree import Socket, Tree, add_input, group_inputs, node_group
 COORDINATES = "Stormfield Advected Coordinates"
 FLOW_NOISE = "Stormfield Flow Noise"
 FLOW_VALUE = "Stormfield Phase Blend"
+NOTHING = 1e-12  # length of a coordinate that stands for none
 
 
 @node_group(COORDINATES)
 def advected_coordinates(tree: Tree) -> None:
-    """What the mesh carries: both phases with their variance-preserving weights, direction, speed, stream function."""
+    """Both phases that the mesh carries, with their variance-preserving weights.
+
+    Where none are baked yet the object's own coordinates stand in: the texture is there and does not travel."""
     weight_b = tree.attribute("sf_blend", "Fac")
     weight_a = 1.0 - weight_b
     norm = tree.math("SQRT", weight_a * weight_a + weight_b * weight_b)
+    phase_a, phase_b = tree.attribute("sf_phase_a", "Vector"), tree.attribute("sf_phase_b", "Vector")
+    missing = tree.math("LESS_THAN", tree.vector("LENGTH", phase_a), NOTHING)  # an attribute that is not there is 0
+    place = tree.object_coordinates().scaled(missing)
     set_outputs(
         tree,
-        phase_a=tree.attribute("sf_phase_a", "Vector"),
-        phase_b=tree.attribute("sf_phase_b", "Vector"),
+        phase_a=phase_a + place,
+        phase_b=phase_b + place,
         weight_a=weight_a / norm,
         weight_b=weight_b / norm,
     )

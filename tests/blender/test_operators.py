@@ -306,13 +306,6 @@ def test_materials_can_be_given(ball):
     assert len(ball.data.materials) == 1
 
 
-def test_the_storm_merge_scene_stands_ready(native):
-    assert bpy.ops.stormfield.storm_merge() == {"FINISHED"}
-    planet = bpy.context.object
-    assert planet.stormfield.enabled and len(planet.stormfield.elements) >= 3
-    assert bpy.context.scene.camera and bpy.ops.stormfield.solve.poll()
-
-
 def test_presets_of_the_addon_set_the_settings(ball):
     from stormfield.operators.presets import SUBFOLDER, VALUES
 

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias, cast
 
 import bpy
 
-VERSION = 1  # of the node groups: raise it when a group changes
+VERSION = 2  # of the node groups: raise it when a group changes
 COLUMN, ROW = 190.0, 46.0  # spacing of the layout, in the node editor's pixels
 
 Operand: TypeAlias = "Socket | float | Sequence[float]"
@@ -196,6 +196,10 @@ class Tree:
         self.connect(world, transform.inputs[0])
         return Socket(self, transform.outputs[0])
 
+    def object_coordinates(self) -> Socket:
+        """The place in the space of the mesh."""
+        return Socket(self, self.node("ShaderNodeTexCoord").outputs["Object"])
+
     def facing(self) -> Socket:
         """0 where the surface faces the viewer, 1 at its rim."""
         return Socket(self, self.node("ShaderNodeLayerWeight").outputs["Facing"])
@@ -320,7 +324,9 @@ def set_outputs(tree: Tree, **outputs: Socket) -> None:
 
 
 def new_material(name: str) -> tuple[bpy.types.Material, Tree]:
-    material = bpy.data.materials.get(name) or bpy.data.materials.new(name)
-    material.use_nodes = True
+    """A material of that name, or one with a number where another has it."""
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:  # before Blender 5 a material has no nodes until asked
+        material.use_nodes = True
     material.node_tree.nodes.clear()
     return material, Tree(material.node_tree)

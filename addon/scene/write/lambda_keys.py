@@ -8,7 +8,7 @@ from ... import compat
 
 def key_lambda_over_scene(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
     """λ runs evenly from 0 at the first frame of the scene to 1 at the last."""
-    key_lambda(obj, scene.frame_start, scene.frame_end, scene.frame_current)
+    key_lambda(obj, scene.frame_start, max(scene.frame_end, scene.frame_start + 1), scene.frame_current)
 
 
 def key_lambda(obj: bpy.types.Object, first: int, last: int, now: int) -> None:
