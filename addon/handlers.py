@@ -5,7 +5,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .scene.write import cache_folders, mirror
-from .session import freshness, morse_preview, morse_state, running, solver_state
+from .session import freshness, mesh_edits, morse_preview, morse_state, running, solver_state
 from .ui import overlay
 
 
@@ -48,6 +48,16 @@ def mark_changed(_scene, depsgraph):
 
 
 @persistent
+def follow_mesh_edits(_scene, depsgraph):
+    mesh_edits.follow_updates(depsgraph)
+
+
+@persistent
+def follow_all_meshes(*_):
+    mesh_edits.follow_all()
+
+
+@persistent
 def preview_morse_sets(scene, *_):
     """Live previews follow λ; without a window none is drawn."""
     if bpy.app.background:
@@ -58,6 +68,7 @@ def preview_morse_sets(scene, *_):
 
 
 HANDLERS = (
+    ("save_pre", follow_all_meshes),
     ("save_pre", move_caches_to_file),
     ("save_pre", keep_lambda_without_addon),
     ("load_pre", stop_job),
@@ -66,6 +77,10 @@ HANDLERS = (
     ("load_post", forget_solver),
     ("undo_post", forget_drawings),
     ("redo_post", forget_drawings),
+    ("load_post", follow_all_meshes),
+    ("undo_post", follow_all_meshes),
+    ("redo_post", follow_all_meshes),
+    ("depsgraph_update_post", follow_mesh_edits),
     ("depsgraph_update_post", mark_changed),
     ("depsgraph_update_post", preview_morse_sets),
     ("frame_change_post", preview_morse_sets),

@@ -2,7 +2,7 @@
 """The root of all settings of one field, on its mesh object."""
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from .analysis import AnalysisProperties
 from .bake import BakeProperties
@@ -25,6 +25,11 @@ class FieldProperties(bpy.types.PropertyGroup):
         step=1,
         subtype="FACTOR",
         options={"ANIMATABLE"},
+    )
+    paused: StringProperty(
+        name="Paused",
+        description="Caches that are turned off while the mesh is another one than they were made for",
+        options={"HIDDEN"},
     )
     elements: CollectionProperty(type=ElementProperties)
     active_element: IntProperty(name="Active Element", description="Index of the element shown below the list")

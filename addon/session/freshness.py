@@ -17,6 +17,7 @@ import bpy
 from ..model.words import Json
 from ..scene.read import freshness as reading
 from ..scene.read.attached import LAMBDA, attached_folder
+from ..scene.read.topology import Fit, fit
 
 
 @dataclass
@@ -75,7 +76,18 @@ def _changes_since(obj: bpy.types.Object, before: dict[str, Json], known: _Known
     version = _mesh_version(obj.data)
     if version not in known.mesh:
         known.mesh = {version: reading.mesh_digest(obj.data)}
-    return reading.changes(before, reading.read(obj, known.mesh[version]))
+    found = reading.changes(before, reading.read(obj, known.mesh[version]))
+    return [_of_mesh(obj) if reason == reading.MESH_CHANGED else reason for reason in found]
+
+
+def _of_mesh(obj: bpy.types.Object) -> str:
+    """What became of the field on a mesh that was changed."""
+    how = fit(obj.modifiers[LAMBDA].cache_file, obj.data)
+    if how is Fit.OTHER:
+        return f"{reading.MESH_CHANGED}, so that the field is off"
+    if how is Fit.SAME:  # its faces were flipped
+        return reading.MESH_CHANGED
+    return f"{reading.MESH_CHANGED}, and the field on it is approximate"
 
 
 def _mesh_version(mesh: bpy.types.Mesh) -> tuple:

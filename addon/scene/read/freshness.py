@@ -20,6 +20,7 @@ from ...model.words import Json
 
 #: Settings that change no field.
 IDLE = frozenset({"rna_type", "name", "enabled", "solved", "keep_solver"})
+MESH_CHANGED = "the mesh was changed"
 #: Places that differ by less, over the object's diagonal, are the same: round-off of matrices.
 SAME_PLACE = 1e-5
 
@@ -38,7 +39,7 @@ def changes(before: dict[str, Json], now: dict[str, Json]) -> list[str]:
     """What has changed, in words; empty when a solve would find the same scene."""
     found = []
     if before["mesh"] != now["mesh"]:
-        found.append("the mesh was changed")
+        found.append(MESH_CHANGED)
     if before["settings"] != now["settings"]:
         found.append("settings were changed")
     left = list(before["elements"])

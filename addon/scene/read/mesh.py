@@ -4,6 +4,10 @@
 n-gons are cut by Blender's own loop triangles, so vertex attributes map one to one.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bmesh
 import bpy
 import numpy as np
 
@@ -13,27 +17,40 @@ from ...model.polygons import Polygons
 
 def read_mesh(obj: bpy.types.Object) -> MeshData:
     """Vertices in object space, loop triangles and all UV layers of `obj`."""
-    if obj.mode == "EDIT":
-        obj.update_from_editmode()
-    mesh = obj.data
-    vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.vertices.foreach_get("co", vertices)
-    triangles, loops = loop_triangles(mesh)
-    return MeshData(
-        vertices=vertices.reshape(-1, 3).astype(np.float64),
-        triangles=triangles,
-        uv_layers={layer.name: _uv(layer, len(mesh.loops))[loops] for layer in mesh.uv_layers},
-    )
+    with _own_mesh(obj) as mesh:
+        vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+        mesh.vertices.foreach_get("co", vertices)
+        triangles, loops = loop_triangles(mesh)
+        return MeshData(
+            vertices=vertices.reshape(-1, 3).astype(np.float64),
+            triangles=triangles,
+            uv_layers={layer.name: _uv(layer, len(mesh.loops))[loops] for layer in mesh.uv_layers},
+        )
 
 
 def read_polygons(obj: bpy.types.Object) -> Polygons:
     """The n-gons of `obj`."""
-    mesh = obj.data
-    counts = np.empty(len(mesh.polygons), dtype=np.int32)
-    mesh.polygons.foreach_get("loop_total", counts)
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    return Polygons(counts, corners)
+    with _own_mesh(obj) as mesh:
+        counts = np.empty(len(mesh.polygons), dtype=np.int32)
+        mesh.polygons.foreach_get("loop_total", counts)
+        corners = np.empty(len(mesh.loops), dtype=np.int32)
+        mesh.loops.foreach_get("vertex_index", corners)
+        return Polygons(counts, corners)
+
+
+@contextmanager
+def _own_mesh(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
+    """The mesh of `obj` as Object Mode has it. In Edit Mode a mesh has no UVs, so that a copy is read."""
+    if obj.mode != "EDIT":
+        yield obj.data
+        return
+    obj.update_from_editmode()
+    copy = bpy.data.meshes.new("stormfield_edited")
+    try:
+        bmesh.from_edit_mesh(obj.data).to_mesh(copy)
+        yield copy
+    finally:
+        bpy.data.meshes.remove(copy)
 
 
 def loop_triangles(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:

@@ -13,6 +13,7 @@ import bpy
 from ...bake.task import TargetName
 from ...cache.layout import PRIM, STAGE, TIME_CODES_PER_LAMBDA
 from ..read.attached import FRAMES, LAMBDA, MORSE, NAMES
+from . import mesh_edits
 from .cache_folders import delete_old_caches
 
 
@@ -88,6 +89,7 @@ def _attach(obj: bpy.types.Object, name: str, folder: Path) -> bpy.types.CacheFi
     modifier.read_data = {"ATTRIBUTES"}
     earlier = NAMES[: NAMES.index(name)]
     obj.modifiers.move(obj.modifiers.find(name), sum(other in obj.modifiers for other in earlier))
+    mesh_edits.remember_attached(obj, modifier, folder)
     return modifier.cache_file
 
 
