@@ -86,6 +86,17 @@ def scaled(steps: Steps[Result], start: float, end: float) -> Steps[Result]:
         steps.close()
 
 
+def with_message(fractions: Generator[float, None, Result], message: str) -> Steps[Result]:
+    """Steps of work that only yields the fraction that is done."""
+    try:
+        while True:
+            yield Step(next(fractions), message)
+    except StopIteration as stop:
+        return stop.value
+    finally:
+        fractions.close()
+
+
 #: Jobs that were cancelled and have not ended yet: dropping one would wait for it.
 _ending: list[Job[object]] = []
 

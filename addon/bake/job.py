@@ -17,7 +17,7 @@ from ..cache.store import sha256
 from ..model.design import Design
 from ..model.errors import InputError
 from ..version import VERSION
-from ..work import Step, Steps, between, scaled
+from ..work import Steps, between, scaled
 from .lambda_cache import is_warm_started, solve_steps
 from .targets import TARGETS, Target
 from .task import BakeResult, BakeTask, TargetName
@@ -25,6 +25,8 @@ from .unfinished import unfinished
 
 #: Fraction of a bake that solving from zero takes, where it has to.
 RESOLVE_SHARE = 0.3
+#: Fraction of a target after which its samples are written and are joined.
+WRITTEN = 0.9
 
 
 def check_task(task: BakeTask) -> None:
@@ -58,9 +60,10 @@ def bake_steps(task: BakeTask) -> Steps[BakeResult]:
     names = [name for name in TARGETS if name in task.targets]
     for number, name in enumerate(names):
         target = TARGETS[name](task, cache, origin)
-        start, end = (between(begin, 1.0, (number + side) / len(names)) for side in (0, 1))
-        remarks += yield from scaled(_write_missing(target, task), start, end)
-        if not target.finish():
+        start, join, end = (between(begin, 1.0, (number + part) / len(names)) for part in (0.0, WRITTEN, 1.0))
+        remarks += yield from scaled(_write_missing(target, task), start, join)
+        whole = yield from scaled(target.finish(), join, end)
+        if not whole:
             absent += [f"{name}/{sample}" for sample in target.absent()]
         folders[name] = target.folder
     return BakeResult(folders, tuple(remarks), tuple(absent), task.cache)
@@ -77,6 +80,4 @@ def _solve_from_zero(task: BakeTask) -> Steps[BakeTask]:
 
 def _write_missing(target: Target, task: BakeTask) -> Steps[list[str]]:
     missing = yield from unfinished(target, target.samples(task.indices()))
-    remarks = (yield from target.write(missing)) if missing else []
-    yield Step(1.0, "Joining the files")
-    return remarks
+    return (yield from target.write(missing)) if missing else []

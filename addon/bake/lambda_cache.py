@@ -23,11 +23,11 @@ from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
 from ..solve import SolverState, start_solve
 from ..version import VERSION
-from ..work import Step, Steps, between, result_of
+from ..work import Step, Steps, between, result_of, scaled
 from .unfinished import unfinished
 
-#: Where the solve ends, and where the stream functions do and writing begins, in the fractions of all steps.
-SOLVE_END, STREAM_END = 0.75, 0.85
+#: Where the solve ends, the stream functions, and the writing of samples, in the fractions of all steps.
+SOLVE_END, STREAM_END, WRITTEN = 0.75, 0.85, 0.95
 #: Setting of a λ cache whose solve started from an earlier solution.
 WARM_STARTED = {"start": "last solution"}
 
@@ -66,10 +66,9 @@ def solve_steps(
         for done, j in enumerate(missing):
             notes = solution.notes if done == 0 else ()
             message = f"Writing sample {j + 1} of {len(lambdas)}"
-            yield Step(between(STREAM_END, 1.0, done / len(missing)), message, notes=notes)
+            yield Step(between(STREAM_END, WRITTEN, done / len(missing)), message, notes=notes)
             writer.write_sample(j, fields.attributes_of(solution, stream, j))
-    yield Step(1.0, "Joining the samples")
-    writer.finish()
+    yield from scaled(writer.finish(), WRITTEN, 1.0)
     return target
 
 

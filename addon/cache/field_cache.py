@@ -5,7 +5,7 @@
     writer = FieldCacheWriter(folder, mesh, lambdas, settings, resume=True)
     for j in writer.missing():
         writer.write_sample(j, {"sf_advection": (n, 3) float32, "sf_speed": (n,) float32, ...})
-    writer.finish()                                   # False while samples of other machines are missing
+    run(writer.finish())                              # False while samples of other machines are missing
 
     cache = open_cache(folder)                        # InputError: no cache, unfinished, newer schema
     cache.lambdas, cache.mesh, cache.sample(3)["sf_speed"], cache.at(0.5)["sf_speed"]
@@ -14,10 +14,9 @@ What is read is bit for bit what was written, and equal input gives equal files.
 promises, in store.py.
 """
 
-import functools
 import itertools
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -26,8 +25,9 @@ from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
 from ..model.words import Json
+from ..work import Steps, with_message
 from . import usd
-from .layout import CLIPS, MANIFEST, MESH, STAGE
+from .layout import MANIFEST, OLD_MESH, OLD_STAGE, STAGE
 from .manifest import Manifest, read_manifest
 from .plan import MeshIdentity, Plan
 from .store import CacheStore, sha256
@@ -79,22 +79,13 @@ class _Writer:
         """Names of the samples that no machine has finished."""
         return self._store.absent()
 
-    def finish(self, *, verify: bool = False) -> bool:
-        """Writes what joins the samples, then the manifest. False while samples are missing. verify: reads them all."""
-        mesh = self._mesh
+    def finish(self, *, verify: bool = False) -> Steps[bool]:
+        """Joins the samples, then writes the manifest. False while samples are missing. verify: reads them all."""
+        return with_message(self._store.finish({STAGE: self._write_stage}, verify=verify), "Joining the samples")
 
-        @functools.cache
-        def first() -> Attributes:
-            return usd.read_sample(self.folder / self._plan.names[0])
-
-        return self._store.finish(
-            {
-                MESH: lambda path: usd.write_mesh(path, mesh.vertices, mesh.triangles, self._polygons),
-                CLIPS: lambda path: usd.write_clips(path, first()),
-                STAGE: lambda path: usd.write_stage(path, self._plan.names, self._time_codes, first()),
-            },
-            verify=verify,
-        )
+    def _write_stage(self, path: Path) -> Generator[float]:
+        samples = (usd.read_sample(self.folder / name) for name in self._plan.names)
+        return usd.write_stage(path, self._mesh, self._polygons, self._time_codes, samples)
 
     def _check(self, index: int, name: str, values: np.ndarray) -> None:
         count = len(self._mesh.vertices)
@@ -188,8 +179,7 @@ class FieldCache:
     @property
     def mesh(self) -> MeshData:
         if self._mesh is None:
-            vertices, triangles = usd.read_mesh(self._file(MESH))
-            self._mesh = MeshData(vertices, triangles)
+            self._mesh = self._read_mesh()
         return self._mesh
 
     def check_mesh(self, mesh: MeshData) -> None:
@@ -221,6 +211,16 @@ class FieldCache:
         """All samples of one attribute: (s, n, 3) or (s, n)."""
         return np.stack([self.sample(j)[attribute] for j in range(len(self.manifest.plan.times))])
 
+    def _read_mesh(self) -> MeshData:
+        """Checked by its own fingerprint: the file that holds it also holds all samples, and may be large."""
+        path = self.folder / (STAGE if STAGE in self.manifest.files else OLD_MESH)
+        if not path.is_file():
+            raise InputError(f"{path}: is missing; resume the bake to write it again")
+        mesh = MeshData(*usd.read_mesh(path))
+        if MeshIdentity.of(mesh) != self.manifest.plan.mesh:
+            raise InputError(f"{path}: is damaged (its mesh is not that of the manifest); resume the bake")
+        return mesh
+
     def _file(self, name: str) -> Path:
         path = self.folder / name
         if not path.is_file():
@@ -231,9 +231,9 @@ class FieldCache:
 
 
 def open_cache(folder: str | os.PathLike) -> FieldCache:
-    """The finished USD cache of a folder (or of its field.usda)."""
+    """The finished USD cache of a folder (or of its field.usdc)."""
     folder = Path(folder)
-    if folder.suffix == ".usda":
+    if folder.name in (STAGE, OLD_STAGE):
         folder = folder.parent
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; solve or bake first")

@@ -4,8 +4,10 @@
 #: Prims of the stage.
 ROOT = "/stormfield"
 PRIM = "/stormfield/mesh"
-#: The file that Blender opens, and those it is made of.
-STAGE, MESH, CLIPS = "field.usda", "mesh.usdc", "clips.usda"
+#: The one file that Blender opens: mesh and all samples.
+STAGE = "field.usdc"
+#: What stood in its place in caches of schema 1: value clips that join the sample files, and their mesh.
+OLD_STAGE, OLD_MESH, OLD_CLIPS = "field.usda", "mesh.usdc", "clips.usda"
 #: The manifest of a finished cache, and the plan of a bake in progress.
 MANIFEST, PLAN = "manifest.json", "plan.json"
 #: USD time codes per unit of λ; per frame there is one.

@@ -20,7 +20,7 @@ from ..model.words import Json
 from .layout import TIME_CODES_PER_LAMBDA
 
 SCHEMA = "stormfield.cache"
-VERSION = 1
+VERSION = 2
 
 #: Formats of samples, and the endings of their files.
 EXTENSIONS = {"usd": "usdc", "exr": "exr", "vdb": "vdb"}

@@ -4,7 +4,7 @@
     store = CacheStore(folder, plan, resume=True)     # refuses a foreign mesh, a newer schema, an unwritable folder
     for j in store.missing():
         store.write(j, lambda path: ...)              # temporary name, fsync, checksum, rename
-    store.finish({"field.usda": lambda path: ...})    # shared files, then manifest.json
+    store.finish({"field.usdc": lambda path: ...})    # shared files in steps, then manifest.json
 
 While the bake runs the folder holds plan.json, and next to each finished sample its checksum (NAME.sha256, as sha256sum
 writes it); finish() moves the checksums into the manifest. Several machines may write disjoint samples of one plan into
@@ -105,18 +105,8 @@ class CacheStore:
         with _disk_faults(self.folder):
             if not self._holds_finished(name):
                 self._reopen()
-                with self._or_written_elsewhere(name), self._temporary(name) as temporary:
-                    with contextlib.closing(write_file(temporary)) as writing:
-                        for fraction in writing:
-                            yield between(0.0, WRITTEN, fraction)
-                    digest, size = hashlib.sha256(), temporary.stat().st_size
-                    with temporary.open("rb") as file:
-                        while data := file.read(SLICE):
-                            digest.update(data)
-                            yield between(WRITTEN, 1.0, file.tell() / size)
-                    _sync(temporary)
-                    self._write_checksum(name, digest.hexdigest())
-                    rename(temporary, self.folder / name)
+                with self._or_written_elsewhere(name):
+                    yield from self._atomic_in_steps(name, write_file, checksum=True)
         self._written.add(index)
         self._verified.add(name)
 
@@ -126,15 +116,16 @@ class CacheStore:
         present = {name for parent in {name.rpartition("/")[0] for name in self.names} for name in self._listed(parent)}
         return [name for name in self.names if name not in present or not (finished or name + CHECKSUM in present)]
 
-    def finish(self, shared: Mapping[str, WriteFile], *, verify: bool = False) -> bool:
-        """Writes the shared files and the manifest; False (and nothing written) while samples are missing.
+    def finish(self, shared: Mapping[str, WriteInSteps], *, verify: bool = False) -> Generator[float, None, bool]:
+        """Writes the shared files and the manifest in steps; yields the fraction that is done. False (and nothing
+        written) while samples are missing.
 
         A sample whose checksum stands next to it is whole: names come last. verify: all are read nevertheless, and one
         that is damaged counts as missing.
         """
         with _disk_faults(self.folder):
             found = self._manifest()
-            if found is not None and self._is_whole(found, verify=verify):
+            if found is not None and shared.keys() <= found.keys() and self._is_whole(found, verify=verify):
                 self._clean()
                 return True
             self._reopen()
@@ -144,7 +135,7 @@ class CacheStore:
             if verify and not self._all_intact({name: files[name] for name in self.names}):
                 return False
             with self._or_finished_elsewhere():
-                self._join({name: files[name] for name in self.names}, shared)
+                yield from self._join({name: files[name] for name in self.names}, shared)
         return True
 
     # Steps ------------------------------------------------------------------------------------------------------------
@@ -177,6 +168,23 @@ class CacheStore:
                 self._write_checksum(name, digest)
             rename(temporary, self.folder / name)
         return digest
+
+    def _atomic_in_steps(self, name: str, write_file: WriteInSteps, *, checksum: bool) -> Generator[float, None, str]:
+        """_atomic() of a large file: yields the fraction that is written."""
+        with self._temporary(name) as temporary:
+            with contextlib.closing(write_file(temporary)) as writing:
+                for fraction in writing:
+                    yield between(0.0, WRITTEN, fraction)
+            digest, size = hashlib.sha256(), temporary.stat().st_size
+            with temporary.open("rb") as file:
+                while data := file.read(SLICE):
+                    digest.update(data)
+                    yield between(WRITTEN, 1.0, file.tell() / size)
+            _sync(temporary)
+            if checksum:
+                self._write_checksum(name, digest.hexdigest())
+            rename(temporary, self.folder / name)
+        return digest.hexdigest()
 
     @contextlib.contextmanager
     def _temporary(self, name: str) -> Iterator[Path]:
@@ -255,9 +263,9 @@ class CacheStore:
                 sums[name] = (self.folder / (name + CHECKSUM)).read_text().split()[0]
         return sums
 
-    def _join(self, files: dict[str, str], shared: Mapping[str, WriteFile]) -> None:
+    def _join(self, files: dict[str, str], shared: Mapping[str, WriteInSteps]) -> Generator[float]:
         for name, write_file in shared.items():
-            files[name] = self._atomic(name, write_file)
+            files[name] = yield from self._atomic_in_steps(name, write_file, checksum=False)
         for parent in {(self.folder / name).parent for name in files}:
             _sync(parent)
         self._atomic(MANIFEST, lambda path: _write_text(path, text(self.plan, files)))

@@ -3,17 +3,18 @@
 
 Layout of a cache (names relative to its folder; the λ cache, the frame cache in brackets):
 
-    mesh.usdc                 /stormfield/mesh: points and the artist's own polygons, constant
     samples/lam_0000.usdc     one time sample of every attribute, as primvars   [frames/frame_0001.usdc]
-    clips.usda                declares the attributes for the value clips
-    field.usda                mesh.usdc as sublayer, and value clips that join the samples; open this one
+    field.usdc                /stormfield/mesh: points, the artist's own polygons and all samples; open this one
+
+The samples are what machines write in any order; field.usdc joins them. It names no other file, so whoever packs or
+moves what a .blend file names (Blender itself, farms) has the whole field.
 
 Time codes are λ · 1000 [the frame]; between samples USD interpolates linearly. Integers belong to polygons and keep
 the value of the sample before; everything else belongs to vertices.
 
 Attaching a cache to the artist's object in Blender (4.5 and 5.2; tests/python/test_bake_blender.py does exactly this):
 
-    bpy.ops.cachefile.open(filepath=str(folder / "field.usda"))              # cache_file: the new one in
+    bpy.ops.cachefile.open(filepath=str(folder / "field.usdc"))              # cache_file: the new one in
     cache_file = ...                                                         # bpy.data.cache_files, found by difference
     modifier = object.modifiers.new("Stormfield", "MESH_SEQUENCE_CACHE")     # before every other modifier
     modifier.cache_file = cache_file
@@ -31,7 +32,7 @@ artist's polygons, therefore, not their triangles: MeshData alone does not know 
 
 import errno
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -40,11 +41,15 @@ from types import SimpleNamespace
 import numpy as np
 
 from ..model.errors import InputError
+from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
 from .bundled import bundled
-from .layout import CLIPS, MESH, PRIM, ROOT, TIME_CODES_PER_SECOND
+from .layout import PRIM, ROOT, TIME_CODES_PER_SECOND
 
 Attributes = Mapping[str, np.ndarray]
+
+#: Bytes of samples that are held in memory before they are written.
+BUFFER = 64 << 20
 
 
 @cache
@@ -61,15 +66,7 @@ def write_sample(path: Path, time_code: float, attributes: Attributes) -> None:
     equal bytes."""
     pxr = usd()
     layer, stage = _new_stage(".usdc")
-    primvars = pxr.UsdGeom.PrimvarsAPI(stage.OverridePrim(PRIM))
-    for name, values in sorted(attributes.items()):
-        primvar = _declared(primvars, name, values)
-        if per_polygon(values):
-            array = pxr.Vt.IntArray.FromNumpy(np.ascontiguousarray(values, np.int32))
-        else:
-            kind = pxr.Vt.Vec3fArray if values.ndim == 2 else pxr.Vt.FloatArray
-            array = kind.FromNumpy(np.ascontiguousarray(values, np.float32))
-        primvar.Set(array, time_code)
+    _set(pxr.UsdGeom.PrimvarsAPI(stage.OverridePrim(PRIM)), time_code, attributes)
     _export(layer, path)
 
 
@@ -85,25 +82,35 @@ def read_sample(path: Path) -> dict[str, np.ndarray]:
     return attributes
 
 
-def write_mesh(path: Path, vertices: np.ndarray, triangles: np.ndarray, polygons: Polygons | None = None) -> None:
-    """The mesh of the cache. Vertices that float32 cannot hold are kept in double, in an attribute of their own."""
+def write_stage(
+    path: Path,
+    mesh: MeshData,
+    polygons: Polygons | None,
+    time_codes: Sequence[float],
+    samples: Iterable[Attributes],
+) -> Generator[float]:
+    """STAGE: the mesh, and its samples at increasing time codes. Yields the fraction that is written. Memory holds few
+    samples at a time; equal input gives equal bytes."""
     pxr = usd()
-    layer, stage = _new_stage(".usdc")
-    stage.DefinePrim(ROOT, "Scope")
-    mesh = pxr.UsdGeom.Mesh.Define(stage, PRIM)
-    points = np.ascontiguousarray(vertices, np.float32)
-    faces = polygons or Polygons.of_triangles(triangles)
-    mesh.CreatePointsAttr(pxr.Vt.Vec3fArray.FromNumpy(points))
-    mesh.CreateFaceVertexCountsAttr(pxr.Vt.IntArray.FromNumpy(np.ascontiguousarray(faces.counts, np.int32)))
-    mesh.CreateFaceVertexIndicesAttr(pxr.Vt.IntArray.FromNumpy(np.ascontiguousarray(faces.indices, np.int32)))
-    mesh.CreateSubdivisionSchemeAttr(pxr.UsdGeom.Tokens.none)
-    prim, names = mesh.GetPrim(), pxr.Sdf.ValueTypeNames
-    corners = np.ascontiguousarray(triangles, np.int32)
-    prim.CreateAttribute("stormfield:triangles", names.Int3Array).Set(pxr.Vt.Vec3iArray.FromNumpy(corners))
-    if not np.array_equal(points.astype(np.float64), vertices):
-        exact = np.ascontiguousarray(vertices, np.float64)
-        prim.CreateAttribute("stormfield:vertices", names.Double3Array).Set(pxr.Vt.Vec3dArray.FromNumpy(exact))
-    _export(layer, path)
+    with _system_errors(path):
+        layer = pxr.Sdf.Layer.CreateNew(str(path))
+        stage = pxr.Usd.Stage.Open(layer)
+        pxr.UsdGeom.SetStageUpAxis(stage, pxr.UsdGeom.Tokens.z)
+        pxr.UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+        stage.SetTimeCodesPerSecond(TIME_CODES_PER_SECOND)
+        stage.SetStartTimeCode(time_codes[0])
+        stage.SetEndTimeCode(time_codes[-1])
+        stage.SetDefaultPrim(stage.DefinePrim(ROOT, "Scope"))
+        primvars = pxr.UsdGeom.PrimvarsAPI(_define_mesh(stage, mesh, polygons))
+        held = 0
+        for done, (time_code, attributes) in enumerate(zip(time_codes, samples, strict=True), start=1):
+            _set(primvars, time_code, attributes)
+            held += sum(values.nbytes for values in attributes.values())
+            if held >= BUFFER:
+                layer.Save()
+                held = 0
+            yield done / len(time_codes)
+        layer.Save()
 
 
 def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -116,47 +123,46 @@ def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
     return np.array(points, np.float64).reshape(-1, 3), np.array(triangles, np.int32).reshape(-1, 3)
 
 
-def write_clips(path: Path, attributes: Attributes) -> None:
-    """The clip manifest: which attributes have time samples."""
-    pxr = usd()
-    layer, stage = _new_stage(".usda")
-    primvars = pxr.UsdGeom.PrimvarsAPI(stage.OverridePrim(PRIM))
-    for name, values in sorted(attributes.items()):
-        _declared(primvars, name, values)
-    _export(layer, path)
-
-
-def write_stage(path: Path, names: Sequence[str], times: Sequence[float], attributes: Attributes) -> None:
-    """STAGE: the mesh, and the samples of files `names` at time codes `times` (increasing)."""
-    pxr = usd()
-    layer, stage = _new_stage(".usda")
-    pxr.UsdGeom.SetStageUpAxis(stage, pxr.UsdGeom.Tokens.z)
-    pxr.UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    stage.SetTimeCodesPerSecond(TIME_CODES_PER_SECOND)
-    stage.SetStartTimeCode(times[0])
-    stage.SetEndTimeCode(times[-1])
-    stage.SetDefaultPrim(stage.OverridePrim(ROOT))
-    prim = stage.OverridePrim(PRIM)
-    primvars = pxr.UsdGeom.PrimvarsAPI(prim)
-    for name, values in sorted(attributes.items()):
-        _declared(primvars, name, values)
-    clips = pxr.Usd.ClipsAPI(prim)
-    clips.SetClipPrimPath(PRIM)
-    clips.SetClipManifestAssetPath(pxr.Sdf.AssetPath(f"./{CLIPS}"))
-    clips.SetClipAssetPaths([pxr.Sdf.AssetPath(f"./{name}") for name in names])
-    clips.SetClipActive([(time, float(j)) for j, time in enumerate(times)])
-    clips.SetClipTimes([(time, time) for time in times])
-    del clips, primvars, prim, stage  # a stage would look for the sublayer at once
-    layer.subLayerPaths.append(f"./{MESH}")
-    _export(layer, path)
-
-
 # Steps ----------------------------------------------------------------------------------------------------------------
 
 
 def per_polygon(values: np.ndarray) -> bool:
     """Whether an attribute has a value for each polygon, and not for each vertex: integers do."""
     return values.dtype.kind == "i"
+
+
+def _define_mesh(stage, mesh: MeshData, polygons: Polygons | None):
+    """The prim of a mesh. Vertices that float32 cannot hold are kept in double, in an attribute of their own."""
+    pxr = usd()
+    geometry = pxr.UsdGeom.Mesh.Define(stage, PRIM)
+    points = np.ascontiguousarray(mesh.vertices, np.float32)
+    faces = polygons or Polygons.of_triangles(mesh.triangles)
+    geometry.CreatePointsAttr(pxr.Vt.Vec3fArray.FromNumpy(points))
+    geometry.CreateFaceVertexCountsAttr(pxr.Vt.IntArray.FromNumpy(np.ascontiguousarray(faces.counts, np.int32)))
+    geometry.CreateFaceVertexIndicesAttr(pxr.Vt.IntArray.FromNumpy(np.ascontiguousarray(faces.indices, np.int32)))
+    geometry.CreateSubdivisionSchemeAttr(pxr.UsdGeom.Tokens.none)
+    prim, names = geometry.GetPrim(), pxr.Sdf.ValueTypeNames
+    corners = np.ascontiguousarray(mesh.triangles, np.int32)
+    prim.CreateAttribute("stormfield:triangles", names.Int3Array).Set(pxr.Vt.Vec3iArray.FromNumpy(corners))
+    if not np.array_equal(points.astype(np.float64), mesh.vertices):
+        exact = np.ascontiguousarray(mesh.vertices, np.float64)
+        prim.CreateAttribute("stormfield:vertices", names.Double3Array).Set(pxr.Vt.Vec3dArray.FromNumpy(exact))
+    return prim
+
+
+def _set(primvars, time_code: float, attributes: Attributes) -> None:
+    """One time sample of every attribute, declared where it is the first."""
+    vt = usd().Vt
+    for name, values in sorted(attributes.items()):
+        primvar = primvars.GetPrimvar(name)
+        if not primvar:
+            primvar = _declared(primvars, name, values)
+        if per_polygon(values):
+            array = vt.IntArray.FromNumpy(np.ascontiguousarray(values, np.int32))
+        else:
+            kind = vt.Vec3fArray if values.ndim == 2 else vt.FloatArray
+            array = kind.FromNumpy(np.ascontiguousarray(values, np.float32))
+        primvar.Set(array, time_code)
 
 
 def _declared(primvars, name: str, values: np.ndarray):

@@ -11,7 +11,7 @@ Faults of the data are InputError naming file, place and cure. No bpy, no native
 
 from pathlib import Path
 
-from ..cache.layout import STAGE
+from ..cache.layout import OLD_STAGE, STAGE
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from .choice import Choice
@@ -57,7 +57,7 @@ def read_mesh(path: str | Path) -> tuple[MeshData, Reading]:
 
 
 def _is_cache(path: Path) -> bool:
-    return path.is_dir() or path.name == STAGE
+    return path.is_dir() or path.name in (STAGE, OLD_STAGE)
 
 
 def _existing(path: str | Path) -> Path:

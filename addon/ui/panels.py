@@ -4,10 +4,9 @@
 import bpy
 from bl_ui.utils import PresetPanel
 
-from ..cache.layout import STAGE
 from ..operators import bake, requirements, solve
 from ..scene.read.active_field import active_field
-from ..scene.read.attached import FRAMES, LAMBDA, attached_folder
+from ..scene.read.attached import FRAMES, LAMBDA, attached_file
 from . import out_of_date
 from .panel_parts import FieldPanel, SidebarPanel, job_button, text_lines
 
@@ -120,9 +119,9 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         column.prop(settings, "samples")
         column.prop(settings, "tolerance")
         column.prop(settings, "keep_solver")
-        folder = attached_folder(obj, LAMBDA)
-        if folder is not None and not (folder / STAGE).exists():
-            text_lines(context, layout, f"The λ cache is missing: {folder}. Solve again", icon="ERROR")
+        file = attached_file(obj, LAMBDA)
+        if file is not None and not file.exists():
+            text_lines(context, layout, f"The λ cache is missing: {file.parent}. Solve again", icon="ERROR")
 
 
 class STORMFIELD_PT_bake(FieldPanel, bpy.types.Panel):

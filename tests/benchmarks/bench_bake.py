@@ -26,6 +26,7 @@ from stormfield.cache.store import _sync
 from stormfield.cache.usd import usd
 from stormfield.model.mesh_data import MeshData
 from stormfield.model.polygons import Polygons
+from stormfield.work import run
 
 VERTICES, SAMPLES = 100_000, 40
 
@@ -58,7 +59,7 @@ def bake(folder, mesh, polygons, samples):
     writer = FieldCacheWriter(folder, mesh, np.linspace(0, 1, len(samples)).tolist(), {}, polygons=polygons)
     for j in writer.missing():
         writer.write_sample(j, samples[j])
-    assert writer.finish()
+    assert run(writer.finish())
 
 
 def copy(source, target, durable):
@@ -108,7 +109,7 @@ def scrub_over_foreach_set(folder, mesh, polygons, samples, steps=40):
     bare = median_frame(scene, obj, steps, set_attributes)
     for name in samples[0]:
         data.attributes.remove(data.attributes[name])
-    bpy.ops.cachefile.open(filepath=str(folder / "cache" / "field.usda"))
+    bpy.ops.cachefile.open(filepath=str(folder / "cache" / "field.usdc"))
     cache_file = bpy.data.cache_files[0]
     modifier = obj.modifiers.new("cache", "MESH_SEQUENCE_CACHE")
     modifier.cache_file, modifier.object_path, modifier.read_data = cache_file, PRIM, {"ATTRIBUTES"}

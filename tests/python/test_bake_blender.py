@@ -8,6 +8,7 @@ from stormfield.cache.field_cache import FieldCacheWriter, FrameCacheWriter
 from stormfield.cache.layout import STAGE
 from stormfield.model.mesh_data import MeshData
 from stormfield.model.polygons import Polygons
+from stormfield.work import run
 
 bpy = pytest.importorskip("bpy")
 
@@ -49,7 +50,7 @@ def frame_sample(mesh, frame):
 def write(writer, samples):
     for j in writer.missing():
         writer.write_sample(j, samples[j])
-    assert writer.finish()
+    assert run(writer.finish())
     return writer.folder / STAGE
 
 
@@ -158,6 +159,6 @@ def test_other_counts_replace_the_mesh_so_polygons_are_needed(scene):
     write(FieldCacheWriter(folder / "triangles", mesh, [0.0], {}), [lambda_sample(mesh, 0.0)])
     for modifier in list(obj.modifiers):
         obj.modifiers.remove(modifier)
-    attach(obj, "triangles", folder / "triangles" / "field.usda")
+    attach(obj, "triangles", folder / "triangles" / "field.usdc")
     result = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     assert len(result.polygons) != len(obj.data.polygons)

@@ -18,6 +18,7 @@ from stormfield.cache.store import delete_cache
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
 from stormfield.model.polygons import Polygons
+from stormfield.work import run
 
 LAMBDAS = [0.0, 0.1, 0.5, 1.0]
 SETTINGS = {"design": {"elements": [{"name": "west storm"}]}, "samples": 4}
@@ -46,7 +47,7 @@ def bake(folder, mesh, lambdas=LAMBDAS, only=None, settings=SETTINGS, **options)
     for j in writer.missing():
         if only is None or j in only:
             writer.write_sample(j, sample(mesh, j))
-    return writer.finish()
+    return run(writer.finish())
 
 
 def contents(folder):
@@ -96,7 +97,7 @@ def test_between_samples_is_linear(mesh, baked):
 
 
 def test_usd_itself_joins_the_samples(mesh, baked):
-    stage = usd.usd().Usd.Stage.Open(str(baked / "field.usda"))
+    stage = usd.usd().Usd.Stage.Open(str(baked / "field.usdc"))
     primvar = stage.GetPrimAtPath(usd.PRIM).GetAttribute("primvars:sf_speed")
     assert np.array_equal(np.array(primvar.Get(500.0)), sample(mesh, 2)["sf_speed"])
     middle = 0.5 * (sample(mesh, 2)["sf_speed"] + sample(mesh, 3)["sf_speed"])
@@ -109,7 +110,7 @@ def test_polygons_are_kept(mesh, tmp_path):
     quads = np.stack([corner, corner + n, corner + n + 1, corner + 1], axis=1).astype(np.int32)
     polygons = Polygons(np.full(len(quads), 4, np.int32), quads.ravel())
     assert bake(tmp_path, mesh, polygons=polygons)
-    stage = usd.usd().Usd.Stage.Open(str(tmp_path / "field.usda"))
+    stage = usd.usd().Usd.Stage.Open(str(tmp_path / "field.usdc"))
     prim = stage.GetPrimAtPath(usd.PRIM)
     assert np.array_equal(prim.GetAttribute("faceVertexCounts").Get(), polygons.counts)
     assert np.array_equal(prim.GetAttribute("faceVertexIndices").Get(), polygons.indices)
@@ -120,11 +121,11 @@ def test_a_frame_cache_has_the_frames_as_time_codes(mesh, tmp_path):
     writer = FrameCacheWriter(tmp_path, mesh, range(-1, 3), {})
     for j in writer.missing():
         writer.write_sample(j, {"sf_blend": np.full(len(mesh.vertices), j, np.float32)})
-    assert writer.finish()
+    assert run(writer.finish())
     assert sorted(p.name for p in (tmp_path / "frames").iterdir()) == [
         "frame_-0001.usdc", "frame_0000.usdc", "frame_0001.usdc", "frame_0002.usdc",
     ]  # fmt: skip
-    stage = usd.usd().Usd.Stage.Open(str(tmp_path / "field.usda"))
+    stage = usd.usd().Usd.Stage.Open(str(tmp_path / "field.usdc"))
     assert stage.GetPrimAtPath(usd.PRIM).GetAttribute("primvars:sf_blend").Get(1.5)[0] == 2.5
     with pytest.raises(InputError, match="not over λ"):
         _ = open_cache(tmp_path).lambdas
@@ -162,7 +163,7 @@ def test_another_process_writes_the_same_bytes(mesh, baked, tmp_path):
 
 def test_manifest_is_checked_by_others(baked):
     manifest = json.loads((baked / "manifest.json").read_text())
-    assert manifest["schema"] == "stormfield.cache/1"
+    assert manifest["schema"] == "stormfield.cache/2"
     assert manifest["time_codes"] == [0.0, 100.0, 500.0, 1000.0]
     assert manifest["settings"] == SETTINGS
     found = {name: hashlib.sha256(data).hexdigest() for name, data in contents(baked).items()}
@@ -237,22 +238,50 @@ def test_a_foreign_mesh_is_refused(mesh, baked, resume):
 
 def test_a_newer_schema_is_refused(mesh, baked):
     path = baked / "manifest.json"
-    path.write_text(path.read_text().replace("stormfield.cache/1", "stormfield.cache/2"))
+    path.write_text(path.read_text().replace("stormfield.cache/2", "stormfield.cache/3"))
     for action in (lambda: open_cache(baked), lambda: bake(baked, mesh), lambda: bake(baked, mesh, replace=True)):
         with pytest.raises(InputError, match="newer than"):
             action()
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"schema": "other/1"}', '{"schema": "stormfield.cache/1"}'])
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"schema": "other/1"}', '{"schema": "stormfield.cache/2"}'])
 def test_a_file_that_is_no_manifest_is_refused(baked, text):
     (baked / "manifest.json").write_text(text)
     with pytest.raises(InputError, match=r"manifest\.json"):
         open_cache(baked)
 
 
+def test_a_cache_of_schema_1_is_read(mesh, baked):
+    """It has value clips, and its mesh in a file of its own."""
+    (baked / "field.usdc").rename(baked / "mesh.usdc")
+    manifest = json.loads((baked / "manifest.json").read_text())
+    manifest["schema"] = "stormfield.cache/1"
+    manifest["files"]["mesh.usdc"] = manifest["files"].pop("field.usdc")
+    for name in ("field.usda", "clips.usda"):
+        (baked / name).write_text("#usda 1.0\n")
+        manifest["files"][name] = hashlib.sha256(b"#usda 1.0\n").hexdigest()
+    (baked / "manifest.json").write_text(json.dumps(manifest))
+    for path in (baked, baked / "field.usda"):
+        cache = open_cache(path)
+        assert cache.mesh.fingerprint() == mesh.fingerprint()
+        assert cache.sample(2)["sf_speed"].tobytes() == sample(mesh, 2)["sf_speed"].tobytes()
+    assert bake(baked, mesh, resume=True)  # brought to today's layout
+    assert open_cache(baked).mesh.fingerprint() == mesh.fingerprint() and (baked / "field.usdc").exists()
+    delete_cache(baked)
+    assert not baked.exists()
+
+
+def test_a_damaged_mesh_is_refused(mesh, baked):
+    other = grid(seed=1)
+    assert bake(baked.parent / "other", other)
+    shutil.copy(baked.parent / "other" / "field.usdc", baked / "field.usdc")
+    with pytest.raises(InputError, match="its mesh is not that of the manifest"):
+        _ = open_cache(baked).mesh
+
+
 def test_a_manifest_cannot_name_files_outside(baked):
     path = baked / "manifest.json"
-    path.write_text(path.read_text().replace("mesh.usdc", "../mesh.usdc"))
+    path.write_text(path.read_text().replace("field.usdc", "../field.usdc"))
     with pytest.raises(InputError, match="not a whole manifest"):
         open_cache(baked)
 

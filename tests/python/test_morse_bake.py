@@ -48,7 +48,7 @@ def write_cache(folder, mesh, polygons, field, lambdas=LAMBDAS):
     writer = FieldCacheWriter(folder, mesh, lambdas, {"design": "of a test"}, polygons=polygons)
     for j, lam in enumerate(lambdas):
         writer.write_sample(j, {fields.ADVECTION: field(mesh.vertices, lam).astype(np.float32)})
-    assert writer.finish()
+    assert run(writer.finish())
     return open_cache(folder)
 
 

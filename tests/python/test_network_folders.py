@@ -10,6 +10,7 @@ import pytest
 from stormfield.cache import store, usd
 from stormfield.cache.field_cache import FieldCacheWriter
 from stormfield.model.errors import InputError
+from stormfield.work import run
 from test_cache import LAMBDAS, SETTINGS, bake, contents, grid, sample
 
 HOURS = 3600.0
@@ -73,7 +74,7 @@ def test_renames_that_are_refused_for_a_moment_are_tried_again(mesh, expected, t
     refused(2, winerror)
     write(writer, mesh, range(len(LAMBDAS)))
     refused(2, winerror)
-    assert writer.finish()
+    assert run(writer.finish())
     assert contents(tmp_path) == expected
 
 
@@ -101,10 +102,10 @@ def test_a_twin_that_comes_late_changes_nothing(mesh, expected, tmp_path):
     twin, quick = machine(tmp_path, mesh), machine(tmp_path, mesh)
     assert twin.missing() == list(range(len(LAMBDAS)))
     write(quick, mesh, range(len(LAMBDAS)))
-    assert quick.finish()
+    assert run(quick.finish())
     write(twin, mesh, first())
     assert (tmp_path / "manifest.json").exists()  # and it stays while the twin writes
-    assert twin.finish()
+    assert run(twin.finish())
     assert contents(tmp_path) == expected
 
 
@@ -117,12 +118,12 @@ def test_a_twin_whose_file_is_taken_away_ends_well(mesh, expected, tmp_path, mon
         real(path, time_code, attributes)
         monkeypatch.setattr(usd, "write_sample", real)
         write(quick, mesh, range(len(LAMBDAS)))
-        assert quick.finish()
+        assert run(quick.finish())
         path.unlink()
 
     monkeypatch.setattr(usd, "write_sample", overtaken)
     twin.write_sample(0, sample(mesh, 0))
-    assert twin.finish()
+    assert run(twin.finish())
     assert contents(tmp_path) == expected
 
 
@@ -156,11 +157,11 @@ def test_a_join_that_comes_early_writes_nothing_and_names_what_is_missing(mesh, 
     writer, joiner = machine(tmp_path, mesh), machine(tmp_path, mesh)
     write(writer, mesh, first())
     before = contents(tmp_path)
-    assert not joiner.finish()
+    assert not run(joiner.finish())
     assert contents(tmp_path) == before
     assert joiner.absent() == [f"samples/lam_{j:04d}.usdc" for j in last()]
     write(writer, mesh, last())
-    assert joiner.absent() == [] and joiner.finish()
+    assert joiner.absent() == [] and run(joiner.finish())
     assert contents(tmp_path) == expected
 
 
@@ -178,8 +179,8 @@ def test_names_that_appear_late_are_waited_for(mesh, expected, tmp_path, monkeyp
         return real(self)
 
     monkeypatch.setattr(Path, "iterdir", stale)
-    assert not joiner.finish() and not joiner.finish()
-    assert joiner.finish()
+    assert not run(joiner.finish()) and not run(joiner.finish())
+    assert run(joiner.finish())
     monkeypatch.undo()
     assert contents(tmp_path) == expected
 
@@ -194,11 +195,11 @@ def test_a_chunk_vouches_for_its_samples_and_verify_reads_them(mesh, expected, t
     real = store.sha256
     monkeypatch.setattr(store, "sha256", lambda path: read.append(path.name) or real(path))
     joiner = machine(tmp_path, mesh)
-    assert not joiner.finish(verify=True)
+    assert not run(joiner.finish(verify=True))
     assert "lam_0001.usdc" in read
     damaged.write_bytes(whole)
     read.clear()
-    assert machine(tmp_path, mesh).finish()
+    assert run(machine(tmp_path, mesh).finish())
     assert not [name for name in read if name.startswith("lam_")]  # ten thousand frames are not read to be joined
     assert contents(tmp_path) == expected
 
@@ -224,14 +225,13 @@ def test_a_lost_answer_to_a_rename_is_no_fault(tmp_path, monkeypatch):
     assert final.read_bytes() == b"content"
 
 
-@pytest.mark.parametrize("lost", ["mesh.usdc", "clips.usda", "field.usda"])
-def test_a_finished_cache_that_lost_what_joins_it_is_joined_again(mesh, expected, tmp_path, lost):
+def test_a_finished_cache_that_lost_what_joins_it_is_joined_again(mesh, expected, tmp_path):
     assert bake(tmp_path, mesh)
-    (tmp_path / lost).unlink()
-    assert machine(tmp_path, mesh).finish()
+    (tmp_path / "field.usdc").unlink()
+    assert run(machine(tmp_path, mesh).finish())
     assert contents(tmp_path) == expected
-    (tmp_path / lost).write_bytes(b"damaged")
-    assert machine(tmp_path, mesh).finish()
+    (tmp_path / "field.usdc").write_bytes(b"damaged")
+    assert run(machine(tmp_path, mesh).finish())
     assert contents(tmp_path) == expected
 
 
@@ -240,7 +240,7 @@ def test_a_finished_cache_that_lost_a_sample_is_not_called_finished(mesh, expect
     (tmp_path / "samples/lam_0001.usdc").unlink()
     joiner = machine(tmp_path, mesh)
     assert joiner.absent() == ["samples/lam_0001.usdc"]
-    assert not joiner.finish()
+    assert not run(joiner.finish())
     assert not (tmp_path / "manifest.json").exists()  # nobody takes it for whole
     assert bake(tmp_path, mesh, resume=True)
     assert contents(tmp_path) == expected

@@ -17,7 +17,7 @@ from ...cache.field_cache import FieldCache
 from ...cache.plan import MeshIdentity, Plan
 from ...cache.store import CacheStore
 from ...model.words import Json
-from ...work import Job, Step, Steps, between, result_of, scaled
+from ...work import Job, Step, Steps, between, result_of, scaled, with_message
 from ..task import BakeTask
 from .target import Origin
 
@@ -56,8 +56,8 @@ class FrameFiles(Generic[Shared, Content]):
     def absent(self) -> list[str]:
         return self._store.absent()
 
-    def finish(self) -> bool:
-        return self._store.finish({}, verify=self._task.verify)
+    def finish(self) -> Steps[bool]:
+        return with_message(self._store.finish({}, verify=self._task.verify), "Finishing the files")
 
     def write(self, samples: list[int]) -> Steps[list[str]]:
         yield Step(0.0, self.preparing)

@@ -66,7 +66,7 @@ class FlowingTexture:
     def absent(self) -> list[str]:
         return self._writer.absent()
 
-    def finish(self) -> bool:
+    def finish(self) -> Steps[bool]:
         return self._writer.finish(verify=self._task.verify)
 
 

@@ -74,7 +74,7 @@ class MorseCache:
     def absent(self) -> list[str]:
         return self._writer.absent()
 
-    def finish(self) -> bool:
+    def finish(self) -> Steps[bool]:
         return self._writer.finish(verify=self._task.verify)
 
 

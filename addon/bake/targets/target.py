@@ -4,7 +4,7 @@
 target = FlowMaps(task, cache, origin)
 missing = target.missing(target.samples(task.indices()))
 remarks = run(target.write(missing))
-target.finish()                                    # False while samples of other machines are missing
+run(target.finish())                               # False while samples of other machines are missing
 """
 
 from collections.abc import Iterable, Mapping
@@ -43,5 +43,5 @@ class Target(Protocol):
     def absent(self) -> list[str]:
         """Names of the samples that no machine has finished yet."""
 
-    def finish(self) -> bool:
+    def finish(self) -> Steps[bool]:
         """Writes what joins the samples, then the manifest. False while samples are missing."""

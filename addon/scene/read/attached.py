@@ -19,7 +19,13 @@ OVER_LAMBDA = (LAMBDA, MORSE)
 
 def attached_folder(obj: bpy.types.Object, name: str) -> Path | None:
     """The folder of the cache that modifier `name` shows, if there is one."""
+    file = attached_file(obj, name)
+    return None if file is None else file.parent
+
+
+def attached_file(obj: bpy.types.Object, name: str) -> Path | None:
+    """The file that modifier `name` reads, there or not."""
     modifier = obj.modifiers.get(name)
     if modifier is None or modifier.type != "MESH_SEQUENCE_CACHE" or modifier.cache_file is None:
         return None
-    return Path(bpy.path.abspath(modifier.cache_file.filepath)).parent
+    return Path(bpy.path.abspath(modifier.cache_file.filepath))
