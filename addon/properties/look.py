@@ -2,14 +2,14 @@
 """How the field is shown: the material and the viewport overlay."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 SHOWN_FIELDS = (
     ("sf_advection", "Advection", "The field that moves the texture"),
     ("sf_orientation", "Orientation", "The field that turns the texture"),
 )
 STYLES = (
-    ("STROKES", "Strokes", "Short streamlines, bright at the front and fading behind"),
+    ("STROKES", "Strokes", "Short streamlines, thin behind and wide at the front"),
     ("ARROWS", "Arrows", "One arrow for each place"),
     ("NONE", "None", "No strokes or arrows"),
 )
@@ -19,13 +19,14 @@ class LookProperties(bpy.types.PropertyGroup):
     show_overlay: BoolProperty(name="Overlay", description="Show the field in the 3D view", default=True)
     shown_field: EnumProperty(name="Show", description="Which of the two fields is drawn", items=SHOWN_FIELDS)
     style: EnumProperty(name="Style", description="How directions are drawn", items=STYLES)
-    density: IntProperty(
-        name="Density",
-        description="Strokes or arrows along the longest side of the object (count)",
-        min=4,
-        soft_max=80,
-        max=200,
-        default=40,
+    spacing: FloatProperty(
+        name="Distance",
+        description="Distance between strokes or arrows in the view; zooming in shows more of them (pixels at 100 % "
+        "interface scale)",
+        min=6.0,
+        soft_max=60.0,
+        max=400.0,
+        default=17.0,
     )
     length: FloatProperty(
         name="Length",
@@ -36,7 +37,11 @@ class LookProperties(bpy.types.PropertyGroup):
         default=2.2,
     )
     width: FloatProperty(
-        name="Width", description="Width of a stroke (pixels at 100 % interface scale)", min=0.5, max=10.0, default=2.0
+        name="Width",
+        description="Width of a stroke, besides its dark rim (pixels at 100 % interface scale)",
+        min=0.5,
+        max=10.0,
+        default=2.6,
     )
     opacity: FloatProperty(
         name="Opacity",
@@ -44,7 +49,12 @@ class LookProperties(bpy.types.PropertyGroup):
         subtype="FACTOR",
         min=0.0,
         max=1.0,
-        default=0.85,
+        default=1.0,
+    )
+    show_motion: BoolProperty(
+        name="Moving Dashes",
+        description="Let a bright dash run along each stroke while the animation plays or the pointer is over the view",
+        default=True,
     )
     show_fixed_points: BoolProperty(
         name="Fixed Points", description="Mark sources, sinks, saddles and centers at the current λ", default=True

@@ -15,7 +15,7 @@ from ..analysis.colours import KIND_COLOURS
 from ..scene.read import morse_faces, results
 from ..session import morse_preview
 from . import drawing_cache
-from .field_drawing import LIFT, Surface, lifted
+from .surface import LIFT, Surface, lifted
 
 #: Widths of lines over the artist's line width.
 WIDTHS = {results.SEPARATRICES: 1.0, results.ORBITS: 1.7, results.PATHS: 1.8}

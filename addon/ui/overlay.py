@@ -7,17 +7,25 @@ Draw handlers only read. The surface hides what lies behind it; markers keep the
 import bpy
 import gpu
 import numpy as np
-from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix
 
-from .. import compat
 from ..scene.read.active_field import active_field
-from . import analysis_overlay, drawing_cache, legend, marker_drawing, markers
+from . import analysis_overlay, drawing_cache, legend, marker_drawing, markers, motion
 from .marker_drawing import Marker
+from .stroke_shader import StrokeLook
+from .stroke_view import View
 
-forget = analysis_overlay.forget
 mark_changed = drawing_cache.mark_changed
 
+#: Width of the dark rim around strokes, pixels at 100 % interface scale.
+RIM = 1.2
+
 _handles: list = []
+
+
+def forget() -> None:
+    analysis_overlay.forget()
+    motion.forget()
 
 
 def register() -> None:
@@ -54,7 +62,7 @@ def draw_field(context: bpy.types.Context) -> None:
         gpu.state.depth_test_set("LESS_EQUAL")
         drawing = drawing_cache.drawing_of(evaluated)
         if drawing is not None:
-            _draw_lines(context, evaluated, drawing, obj.stormfield.look)
+            _draw_strokes(context, evaluated, obj.stormfield.look)
         analysis_overlay.draw(context, obj, evaluated)
         if drawing is not None:
             points = (Marker(kind, position) for kind, position in drawing.points)
@@ -72,25 +80,41 @@ def _shown_objects(context):
         yield obj, obj.evaluated_get(depsgraph)
 
 
-def _draw_lines(context, evaluated, drawing, look) -> None:
-    if not len(drawing.lines):
+def _draw_strokes(context, evaluated, look) -> None:
+    if look.style == "NONE":
         return
-    shader = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
-    if drawing.batch is None:
-        drawing.batch = batch_for_shader(
-            shader,
-            "LINES",
-            {
-                "pos": drawing.lines.reshape(-1, 3).astype(np.float32),
-                "color": drawing.colours.reshape(-1, 4).astype(np.float32),
-            },
-        )
-    with gpu.matrix.push_pop():
-        gpu.matrix.multiply_matrix(evaluated.matrix_world)
-        shader.bind()
-        shader.uniform_float("viewportSize", (context.region.width, context.region.height))
-        shader.uniform_float("lineWidth", look.width * context.preferences.system.ui_scale)
-        drawing.batch.draw(shader)
+    unit, region = context.preferences.system.ui_scale, context.region
+    view = view_of(context, evaluated.matrix_world)
+    spacing = look.spacing * unit
+    batch = drawing_cache.strokes_of(evaluated, region.as_pointer(), view, spacing, look.length)
+    batch.draw(
+        context.region_data.perspective_matrix @ evaluated.matrix_world,
+        view.size,
+        view.scale,
+        StrokeLook(
+            distance=spacing,
+            length=spacing * look.length,
+            width=look.width * unit,
+            rim=RIM * unit,
+            opacity=look.opacity,
+            arrows=look.style == "ARROWS",
+            phase=motion.phase(context) if look.show_motion else None,
+        ),
+    )
+
+
+def view_of(context: bpy.types.Context, matrix_world: Matrix) -> View:
+    """How the region sees an object."""
+    region, seen = context.region, context.region_data
+    camera = np.array(matrix_world.inverted_safe() @ seen.view_matrix.inverted())
+    eye = camera.T[3 if seen.is_perspective else 2]
+    size = float(np.mean([axis.length for axis in matrix_world.to_3x3().col]))
+    return View(
+        projection=np.array(seen.perspective_matrix @ matrix_world),
+        size=(float(region.width), float(region.height)),
+        scale=0.5 * region.height * np.linalg.norm(np.array(seen.window_matrix)[1, :3]) * size,
+        eye=eye,
+    )
 
 
 def draw_texts(context: bpy.types.Context) -> None:

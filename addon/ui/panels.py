@@ -187,10 +187,11 @@ class STORMFIELD_PT_look(FieldPanel, bpy.types.Panel):
         column.prop(look, "shown_field")
         column.prop(look, "style")
         if look.style != "NONE":
-            column.prop(look, "density")
+            column.prop(look, "spacing")
             column.prop(look, "length")
             column.prop(look, "width")
             column.prop(look, "opacity", slider=True)
+            column.prop(look, "show_motion")
         column = layout.column(heading="Mark")
         column.prop(look, "show_fixed_points")
         column.prop(look, "show_legend")

@@ -13,7 +13,7 @@ from mathutils import Vector
 
 from ..scene.read import results
 from ..scene.read.active_field import active_field
-from . import analysis_drawing, analysis_overlay, marker_drawing
+from . import analysis_drawing, analysis_overlay, marker_drawing, motion
 
 #: How near the pointer must be to a marker and to a line (pixels at 100 % interface scale).
 REACH, LINE_REACH = 11.0, 6.0
@@ -21,7 +21,7 @@ REACH, LINE_REACH = 11.0, 6.0
 
 def entity_at(context: bpy.types.Context, obj, evaluated, pointer) -> tuple[str, int] | None:
     """List and place of the entity under the pointer (pixels of the region), the nearest first."""
-    drawing = analysis_drawing.drawing_of(evaluated)
+    drawing = analysis_drawing.drawing_of(evaluated) if obj.stormfield.analysis.show else None
     if drawing is None:
         return None
     unit = context.preferences.system.ui_scale
@@ -90,6 +90,7 @@ class STORMFIELD_GT_entities(bpy.types.Gizmo):
         """Nothing: the overlay draws the entities."""
 
     def test_select(self, context, location):
+        motion.pointer_moved(context)
         obj = active_field(context)
         if obj is None or obj.mode == "EDIT":
             return -1
@@ -118,10 +119,7 @@ class STORMFIELD_GGT_entities(bpy.types.GizmoGroup):
     @classmethod
     def poll(cls, context):
         obj = active_field(context)
-        if obj is None or not obj.stormfield.look.show_overlay or not context.space_data.overlay.show_overlays:
-            return False
-        analysis = obj.stormfield.analysis
-        return analysis.show and (analysis.ecg.made or analysis.history.made or analysis.mcg.made)
+        return obj is not None and obj.stormfield.look.show_overlay and context.space_data.overlay.show_overlays
 
     def setup(self, _context):
         gizmo = self.gizmos.new(STORMFIELD_GT_entities.bl_idname)

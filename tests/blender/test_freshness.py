@@ -32,7 +32,7 @@ def test_what_no_solve_would_see_is_no_change(solved):
     for element in solved.stormfield.elements:
         element.source.location.x += 2.0
     solved.stormfield.elements[0].name = "Renamed"
-    solved.stormfield.look.density = 20
+    solved.stormfield.look.spacing = 20
     solved.stormfield.elements.move(0, 1)
     assert reason(solved) == ""
 

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.usefixtures("native")
 @pytest.fixture
 def surface(ball):
     from stormfield.scene.read.mesh import read_mesh
-    from stormfield.ui.field_drawing import Surface
+    from stormfield.ui.surface import Surface
 
     mesh = read_mesh(ball)
     return Surface(mesh.vertices, mesh.triangles)
@@ -40,35 +40,144 @@ def vertices(obj):
     return np.array([vertex.co for vertex in obj.data.vertices])
 
 
-def test_seeds_are_spread_evenly_and_stay(surface):
-    from stormfield.ui.field_drawing import spread_seeds
+@pytest.fixture
+def seeds(surface):
+    from stormfield.ui.stroke_seeds import SeedLevels
 
-    seeds = spread_seeds(surface, 20)
-    places = np.einsum("kc,kcd->kd", seeds.barycentric, surface.vertices[surface.triangles[seeds.faces]])
-    expected = 4 * np.pi / seeds.spacing**2
-    assert 0.4 * expected < len(places) < 2.5 * expected
-    halves = [int((places[:, axis] > 0).sum()) for axis in range(3)]
-    assert all(abs(half / len(places) - 0.5) < 0.08 for half in halves)
-    again = spread_seeds(surface, 20)
-    assert np.array_equal(seeds.faces, again.faces) and np.array_equal(seeds.barycentric, again.barycentric)
+    levels = SeedLevels(surface)
+    levels.refine(0.1)
+    return levels
 
 
-def test_strokes_follow_the_field_and_float_above_the_surface(surface, native):
-    from stormfield.ui.field_drawing import LIFT, spread_seeds, strokes
+def turning(points):
+    return np.cross([0.0, 0.0, 1.0], points)
 
-    mesh = native.TriangleMesh(surface.vertices, surface.triangles)
-    values = np.cross([0.0, 0.0, 1.0], surface.vertices)
-    drawn = strokes(surface, mesh, values, spread_seeds(surface, 12), 2.0)
-    start, end = drawn.lines[:, 0], drawn.lines[:, 1]
-    flow = np.cross([0.0, 0.0, 1.0], 0.5 * (start + end))
-    speed, length = np.linalg.norm(flow, axis=1), np.linalg.norm(end - start, axis=1)
-    clear = (speed > 0.3) & (length > 1e-3)  # away from the fixed points, and longer than the steps between faces
-    assert clear.sum() > 100
-    assert (np.einsum("ld,ld->l", end - start, flow)[clear] > 0.95 * (length * speed)[clear]).all()
-    height = np.linalg.norm(drawn.lines, axis=2)
-    assert height.max() < 1.0 + 1.5 * LIFT * surface.size and height.min() > 0.98
-    assert drawn.along.min() == 0.0 and drawn.along.max() <= 1.0 + 1e-9
-    assert (np.diff(drawn.along, axis=1) >= 0).all()
+
+@pytest.fixture
+def grids(surface, native, seeds):
+    from stormfield.ui.strokes import Grids
+
+    return Grids(surface, native.TriangleMesh(surface.vertices, surface.triangles), seeds)
+
+
+def test_seeds_are_spread_evenly_and_stay_when_finer_ones_join(surface, seeds):
+    expected = 4 * np.pi / 0.1**2
+    assert 0.4 * expected < len(seeds) < 1.5 * expected
+    halves = [int((seeds.positions[:, axis] > 0).sum()) for axis in range(3)]
+    assert all(abs(half / len(seeds) - 0.5) < 0.08 for half in halves)
+    away = np.linalg.norm(seeds.positions[:, None] - seeds.positions[None], axis=2)
+    np.fill_diagonal(away, np.inf)
+    assert np.percentile(away.min(axis=1) / seeds.spacing[-1], 5) > 0.4
+    assert (np.diff(seeds.spacing) <= 0).all()
+    before = seeds.positions.copy()
+    seeds.refine(0.04)
+    assert len(seeds) > 2 * len(before) and np.array_equal(seeds.positions[: len(before)], before)
+
+
+def test_strokes_follow_the_field_and_float_above_the_surface(surface, grids, seeds):
+    from stormfield.ui.strokes import strokes
+    from stormfield.ui.surface import LIFT
+
+    chosen = np.arange(len(seeds))
+    grids.prepare(chosen, np.full(len(chosen), 0.12))
+    drawn = strokes(grids, chosen, turning(surface.vertices).astype(np.float32))
+    start, end = drawn.points[:, :-1], drawn.points[:, 1:]
+    flow = turning(0.5 * (start + end))
+    speed, length = np.linalg.norm(flow, axis=2), np.linalg.norm(end - start, axis=2)
+    clear = speed > 0.3  # away from the fixed points
+    assert clear.sum() > 1000
+    assert (np.einsum("kpd,kpd->kp", end - start, flow)[clear] > 0.99 * (length * speed)[clear]).all()
+    height = np.linalg.norm(drawn.points, axis=2)
+    assert height.max() < 1.0 + 1.5 * LIFT * surface.size and height.min() > 0.995
+    circles = np.ptp(drawn.points[:, :, 2], axis=1)  # each stays at its latitude
+    assert circles.max() < 0.01
+
+
+def test_strokes_turn_around_a_vortex_at_their_seed(surface, grids, seeds):
+    """Exact streamlines of a rotation are circles; a stroke beside the axis is an arc of one."""
+    from stormfield.ui.strokes import strokes
+
+    chosen = np.flatnonzero(seeds.positions[:, 2] > 0.97)
+    grids.prepare(chosen, np.full(len(chosen), 0.2))
+    drawn = strokes(grids, chosen, turning(surface.vertices).astype(np.float32))
+    radius = np.linalg.norm(drawn.points[:, :, :2], axis=2)
+    assert (np.ptp(radius, axis=1) < 0.02).all()
+
+
+def test_the_work_of_strokes_does_not_grow_with_the_mesh(grids, seeds):
+    grids.prepare(np.arange(len(seeds)), np.full(len(seeds), 0.1))
+    assert grids.vertices.shape == (len(seeds), 9, 3)
+    before = grids.places.copy()
+    seeds.refine(0.05)
+    grids.prepare(np.arange(len(seeds)), np.full(len(seeds), 0.1))
+    assert np.array_equal(grids.places[: len(before)], before)
+
+
+@pytest.fixture
+def seen():
+    """A view of the ball from a distance along -Y, in perspective."""
+    from stormfield.ui.stroke_view import View
+
+    def make(distance, size=(800.0, 600.0)):
+        near, far, focus = 0.01, 100.0, 2.0
+        lens = np.array(
+            [
+                [focus * size[1] / size[0], 0, 0, 0],
+                [0, focus, 0, 0],
+                [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)],
+                [0, 0, -1, 0],
+            ]
+        )
+        camera = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, -distance], [0, 0, 0, 1]], float)
+        return View(lens @ camera, size, 0.5 * size[1] * focus, np.array([0.0, -distance, 0.0, 1.0]))
+
+    return make
+
+
+def test_strokes_keep_their_distance_on_screen_and_their_places_while_zooming(surface, native, seeds, seen):
+    from stormfield.ui.stroke_view import ViewStrokes
+
+    view = ViewStrokes(surface, native.TriangleMesh(surface.vertices, surface.triangles), seeds)
+    numbers, places = [], []
+    for distance in (6.0, 3.5, 2.2):
+        view._choose(seen(distance), spacing=20.0, length=2.0)
+        clip = np.c_[seeds.positions[view.chosen], np.ones(len(view.chosen))] @ seen(distance).projection.T
+        pixels = 0.5 * clip[:, :2] / clip[:, 3:] * (800.0, 600.0)
+        front = -seeds.positions[view.chosen][:, 1] > 0.8
+        away = np.linalg.norm(pixels[front][:, None] - pixels[front][None], axis=2)
+        np.fill_diagonal(away, np.inf)
+        numbers.append(np.median(away.min(axis=1)))
+        places.append(set(view.chosen[front].tolist()))
+        assert len(view.chosen) == 0 or seeds.normals[view.chosen][:, 1].min() < 0
+    assert max(numbers) < 1.7 * min(numbers) and 12 < min(numbers) < 25
+    assert places[0] <= places[1]
+
+
+def test_only_what_changed_is_worked_out_again(surface, native, seeds, seen, monkeypatch):
+    from stormfield.ui import stroke_view
+
+    made = []
+    monkeypatch.setattr(stroke_view, "StrokeBatch", lambda drawn, *_: made.append(drawn) or drawn)
+    view = stroke_view.ViewStrokes(surface, native.TriangleMesh(surface.vertices, surface.triangles), seeds)
+    values = turning(surface.vertices).astype(np.float32)
+    first = view.batch(seen(4.0), values, 1, 20.0, 2.0)
+    assert view.batch(seen(4.0), values, 1, 20.0, 2.0) is first and len(made) == 1
+    assert view.batch(seen(4.0), -values, 2, 20.0, 2.0) is not first and len(made) == 2
+    prepared = view.grids.reach.copy()
+    view.batch(seen(3.9), -values, 2, 20.0, 2.0)
+    assert (view.grids.reach[prepared > 0] == prepared[prepared > 0]).mean() > 0.8  # a small zoom changes few grids
+
+
+def test_an_empty_or_flat_object_has_no_strokes(seen):
+    from stormfield.ui.stroke_seeds import SeedLevels
+    from stormfield.ui.stroke_view import ViewStrokes
+    from stormfield.ui.surface import Surface
+
+    for vertices, triangles in ((np.zeros((0, 3)), np.zeros((0, 3), np.int32)), (np.zeros((3, 3)), [[0, 1, 2]])):
+        surface = Surface(vertices, np.array(triangles, np.int32))
+        view = ViewStrokes(surface, None, SeedLevels(surface))
+        batch = view.batch(seen(4.0), np.zeros((len(vertices), 3), np.float32), 1, 20.0, 2.0)
+        assert batch.count == 0
 
 
 def test_no_field_means_no_drawing(show):
@@ -92,27 +201,18 @@ def test_parts_of_the_mesh_without_field_have_no_marks(show):
 
 
 def test_a_drawing_is_kept_until_something_changes(ball, show):
-    turning = np.cross([0.0, 0.0, 1.0], vertices(ball))
-    first = show(turning)
+    values = turning(vertices(ball))
+    first = show(values)
     assert show() is first
-    assert show(-turning) is not first
+    assert show(-values) is not first
     second = show()
-    ball.stormfield.look.style = "ARROWS"
-    arrows = show()
-    assert arrows is not second and len(arrows.lines) % 3 == 0
-    ball.stormfield.look.style = "NONE"
-    assert len(show().lines) == 0 and len(show().points) == 2
+    ball.stormfield.look.show_fixed_points = False
+    assert show() is not second and show().points == []
+    ball.data.vertices[0].co.x += 0.01
+    assert show(values) is not second
 
 
-def test_arrows_are_tangent(ball, show):
-    ball.stormfield.look.style = "ARROWS"
-    lines = show(np.cross([0.0, 0.0, 1.0], vertices(ball))).lines[::3]
-    shaft = lines[:, 1] - lines[:, 0]
-    outward = lines[:, 0] / np.linalg.norm(lines[:, 0], axis=1, keepdims=True)
-    assert (np.abs((shaft * outward).sum(axis=1)) <= 0.1 * np.linalg.norm(shaft, axis=1) + 1e-9).all()
-
-
-def test_a_mesh_that_is_no_surface_says_why_and_still_shows_arrows(show):
+def test_a_mesh_that_is_no_surface_says_why_and_still_shows_the_field(show):
     bpy.ops.mesh.primitive_cube_add()
     obj = bpy.context.object
     mesh = bpy.data.meshes.new("Fan")
@@ -122,7 +222,24 @@ def test_a_mesh_that_is_no_surface_says_why_and_still_shows_arrows(show):
     bpy.ops.stormfield.add_field()
     drawing = show(np.ones((5, 3)), obj)
     assert "Fixed points cannot be shown" in drawing.note and not drawing.points
-    assert len(drawing.lines)
+    assert len(drawing.values) == 5
+
+
+def test_a_mesh_that_is_no_surface_has_straight_strokes(seen):
+    from stormfield.ui.stroke_seeds import SeedLevels
+    from stormfield.ui.strokes import Grids, strokes
+    from stormfield.ui.surface import Surface
+
+    corners = np.array([(0, 0, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0)], float)
+    surface = Surface(corners, np.array([(0, 1, 2), (0, 1, 3), (0, 1, 4)], np.int32))
+    seeds = SeedLevels(surface)
+    seeds.refine(0.1)
+    grids = Grids(surface, None, seeds)
+    chosen = np.arange(len(seeds))
+    grids.prepare(chosen, np.full(len(seeds), 0.1))
+    drawn = strokes(grids, chosen, np.tile(np.float32([0, 0, 1]), (5, 1)))
+    along = np.diff(drawn.points, axis=1)
+    assert np.allclose(along[:, :, :2], 0.0, atol=1e-5) and (along[:, :, 2] > 0).all()
 
 
 def test_the_overlay_writes_nothing(ball, show):

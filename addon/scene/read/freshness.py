@@ -62,9 +62,13 @@ def changes(before: dict[str, Json], now: dict[str, Json]) -> list[str]:
 def mesh_digest(mesh: bpy.types.Mesh) -> str:
     """Of vertices and corners, as Object Mode has them."""
     vertices = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.vertices.foreach_get("co", vertices)
     corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
+    if mesh.is_editmode:  # its attributes cannot be read
+        mesh.vertices.foreach_get("co", vertices)
+        mesh.loops.foreach_get("vertex_index", corners)
+    else:  # many times faster
+        mesh.attributes["position"].data.foreach_get("vector", vertices)
+        mesh.attributes[".corner_vert"].data.foreach_get("value", corners)
     return _digest([len(mesh.polygons)], vertices, corners)
 
 

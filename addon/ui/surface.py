@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surface that lines and marks are drawn on, as arrays; they are lifted off it by LIFT object sizes."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+#: Distance between lines and surface, over the object's diagonal.
+LIFT = 0.003
+
+
+@dataclass(frozen=True)
+class Surface:
+    vertices: np.ndarray  #: (n, 3) float64
+    triangles: np.ndarray  #: (m, 3) int32
+
+    @cached_property
+    def size(self) -> float:
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) or 1.0
+
+    @cached_property
+    def area_vectors(self) -> np.ndarray:
+        """(m, 3) normals of the triangles, twice as long as their areas; of meshes too that are no surface."""
+        a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
+        return np.cross(b - a, c - a)
+
+    @cached_property
+    def normals(self) -> np.ndarray:
+        """(n, 3) at the vertices, weighted by area."""
+        crossed = np.repeat(self.area_vectors, 3, axis=0)
+        owner = self.triangles.ravel()
+        count = len(self.vertices)
+        normals = np.stack([np.bincount(owner, crossed[:, axis], count) for axis in range(3)], axis=1)
+        return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+
+
+def lifted(
+    surface: Surface, faces: np.ndarray, barycentric: np.ndarray, positions: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions on these faces, LIFT object sizes above the surface; and the normals there, both (k, 3)."""
+    normals = _evaluate(surface, surface.normals, faces, barycentric)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    return positions + LIFT * surface.size * normals, normals
+
+
+def _evaluate(surface: Surface, values: np.ndarray, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
+    """Linear interpolation, enough for a picture."""
+    return np.einsum("kc,kcd->kd", barycentric, values[surface.triangles[faces]])
