@@ -58,6 +58,12 @@ def follow_all_meshes(*_):
 
 
 @persistent
+def follow_surfaces(scene, *_):
+    if not bpy.app.is_job_running("RENDER"):
+        mesh_edits.follow_surfaces(scene)
+
+
+@persistent
 def preview_morse_sets(scene, *_):
     """Live previews follow λ; without a window none is drawn."""
     if bpy.app.background:
@@ -83,6 +89,7 @@ HANDLERS = (
     ("depsgraph_update_post", follow_mesh_edits),
     ("depsgraph_update_post", mark_changed),
     ("depsgraph_update_post", preview_morse_sets),
+    ("frame_change_post", follow_surfaces),
     ("frame_change_post", preview_morse_sets),
 )
 

@@ -2,14 +2,32 @@
 """The root of all settings of one field, on its mesh object."""
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
+from ..scene.write import turning
 from .analysis import AnalysisProperties
 from .bake import BakeProperties
 from .element import ElementProperties
 from .look import LookProperties
 from .morse import MorseProperties
 from .solve import SolveProperties
+
+SPEEDS = (
+    ("TEXTURE", "Texture", "Where the surface is stretched the field is faster, as the texture on it is"),
+    ("WORLD", "World", "The field is as fast as on the mesh at rest, however the surface is stretched"),
+)
+
+
+def _set_speed(field, _context) -> None:
+    turning.set_speed(field.id_data)
 
 
 class FieldProperties(bpy.types.PropertyGroup):
@@ -30,6 +48,12 @@ class FieldProperties(bpy.types.PropertyGroup):
         name="Paused",
         description="Caches that are turned off while the mesh is another one than they were made for",
         options={"HIDDEN"},
+    )
+    speed_on: EnumProperty(
+        name="Keep Speed of",
+        description="What a speed means on a surface that armatures, shape keys or other modifiers stretch",
+        items=SPEEDS,
+        update=_set_speed,
     )
     elements: CollectionProperty(type=ElementProperties)
     active_element: IntProperty(name="Active Element", description="Index of the element shown below the list")

@@ -6,7 +6,7 @@ from bl_ui.utils import PresetPanel
 
 from ..operators import bake, requirements, solve
 from ..scene.read.active_field import active_field
-from ..scene.read.attached import FRAMES, LAMBDA, attached_file
+from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file
 from . import out_of_date
 from .panel_parts import FieldPanel, SidebarPanel, job_button, text_lines
 
@@ -47,6 +47,8 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
         column.use_property_decorate = True
         column.prop(obj.stormfield, "lam", slider=True)
         layout.operator("stormfield.key_lambda", icon="KEY_HLT")
+        if TURN in obj.modifiers:
+            layout.prop(obj.stormfield, "speed_on")
 
 
 class STORMFIELD_PT_elements(FieldPanel, bpy.types.Panel):

@@ -127,6 +127,11 @@ class Tree:
         self.connect(value, node.inputs[0])
         return Socket(self, node.outputs[axis])
 
+    def components(self, value: Socket) -> list[Socket]:
+        node = self.node("ShaderNodeSeparateXYZ")
+        self.connect(value, node.inputs[0])
+        return [Socket(self, socket) for socket in node.outputs]
+
     def attribute(self, name: str, output: str) -> Socket:
         """Attribute of the mesh: ``output`` is 'Vector' or 'Fac'."""
         node = self.node("ShaderNodeAttribute", attribute_type="GEOMETRY", attribute_name=name, label=name)
@@ -137,6 +142,51 @@ class Tree:
         node = self.node("GeometryNodeInputNamedAttribute", data_type=data_type)
         node.inputs["Name"].default_value = name
         return Socket(self, next(s for s in node.outputs if s.enabled and s.name == "Attribute"))
+
+    def position(self) -> Socket:
+        return Socket(self, self.node("GeometryNodeInputPosition").outputs[0])
+
+    def vertex_normal(self) -> Socket:
+        return Socket(self, self.node("GeometryNodeInputNormal").outputs[0])
+
+    def corner_vertex(self, offset: int) -> Socket:
+        """At corners of faces: the vertex of the corner that lies so many further along the face."""
+        corner = self.node("GeometryNodeOffsetCornerInFace")
+        corner.inputs["Offset"].default_value = offset
+        vertex = self.node("GeometryNodeVertexOfCorner")
+        self.tree.links.new(corner.outputs[0], vertex.inputs[0])
+        return Socket(self, vertex.outputs[0])
+
+    def at_vertex(self, value: Socket, vertex: Socket) -> Socket:
+        """A vector of that vertex."""
+        node = self.node("GeometryNodeFieldAtIndex", domain="POINT", data_type="FLOAT_VECTOR")
+        self.connect(value, node.inputs["Value"])
+        self.connect(vertex, node.inputs["Index"])
+        return Socket(self, node.outputs[0])
+
+    def at_corners(self, value: Socket, data_type: str) -> Socket:
+        """A value that is worked out at corners; vertices have the mean of theirs."""
+        node = self.node("GeometryNodeFieldOnDomain", domain="CORNER", data_type=data_type)
+        self.connect(value, node.inputs[0])
+        return Socket(self, node.outputs[0])
+
+    def captured(self, geometry: Socket, values: Sequence[Socket]) -> tuple[Socket, list[Socket]]:
+        """Values of vertices, worked out once for all that use them; with the geometry to go on with."""
+        node: Any = self.node("GeometryNodeCaptureAttribute", domain="POINT")
+        for value in values:
+            node.capture_items.new("VECTOR" if value.socket.type == "VECTOR" else "FLOAT", "Value")
+        self.connect(geometry, node.inputs[0])
+        for value, socket in zip(values, _numbered(node.inputs), strict=True):
+            self.connect(value, socket)
+        return Socket(self, node.outputs[0]), [Socket(self, socket) for socket in _numbered(node.outputs)]
+
+    def with_attribute(self, geometry: Socket, name: str, data_type: str, value: Socket) -> Socket:
+        """The geometry with an attribute of its vertices."""
+        node = self.node("GeometryNodeStoreNamedAttribute", domain="POINT", data_type=data_type)
+        node.inputs["Name"].default_value = name
+        self.connect(geometry, node.inputs["Geometry"])
+        self.connect(value, node.inputs["Value"])
+        return Socket(self, node.outputs[0])
 
     def scene_time(self, unit: str) -> Socket:
         """The scene's time in "Seconds" or as "Frame", in Geometry Nodes."""
@@ -261,6 +311,11 @@ class Tree:
             node.location = (-COLUMN * depth[node], y)
             visible = sum(1 for s in (*node.inputs, *node.outputs) if s.enabled and not s.hide)
             filled[depth[node]] = y - ROW - 24.0 * visible
+
+
+def _numbered(sockets) -> list[bpy.types.NodeSocket]:
+    """Of the node that captures, the sockets of what it captures."""
+    return [socket for socket in sockets if socket.name.startswith("Value")]
 
 
 def node_group(

@@ -12,7 +12,9 @@ import bpy
 LAMBDA = "Stormfield λ"
 FRAMES = "Stormfield Flow"
 MORSE = "Stormfield Morse Sets"
-#: All of them, in the order they have on the object; and those that follow λ.
+#: The modifier behind all others that turns the vectors with the surface.
+TURN = "Stormfield Turn"
+#: All caches, in the order they have on the object; and those that follow λ.
 NAMES = (LAMBDA, FRAMES, MORSE)
 OVER_LAMBDA = (LAMBDA, MORSE)
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The field as the artist sees it now, and the cache of all λ, for analyses.
 
-Values are those of the attribute on the evaluated mesh; where later modifiers have changed its vertices, those of the λ
-cache at the current λ. Both belong to the vertices of the object's own mesh.
+Values are those of the attribute on the evaluated mesh; where later modifiers have changed its vertices or turned its
+vectors, those of the λ cache at the current λ. Both belong to the vertices of the object's own mesh.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ import numpy as np
 from ...cache.field_cache import FieldCache, open_cache
 from ...model.errors import InputError
 from ...model.mesh_data import MeshData
-from .attached import LAMBDA, attached_folder
+from .attached import LAMBDA, TURN, attached_folder
 from .mesh import read_mesh
 
 
@@ -40,7 +40,8 @@ def read_current(context: bpy.types.Context, obj: bpy.types.Object) -> CurrentFi
     attribute, mesh = obj.stormfield.look.shown_field, read_mesh(obj)
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     lam = evaluated.stormfield.lam
-    for carrier in (evaluated.data, obj.data):
+    turned = TURN in obj.modifiers  # the evaluated vectors lie on the surface that is seen, not on the own mesh
+    for carrier in (obj.data,) if turned else (evaluated.data, obj.data):
         found = carrier.attributes.get(attribute)
         fits = len(carrier.vertices) == len(mesh.vertices)
         if found is not None and fits and (found.domain, found.data_type) == ("POINT", "FLOAT_VECTOR"):

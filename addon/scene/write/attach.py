@@ -12,8 +12,8 @@ import bpy
 
 from ...bake.task import TargetName
 from ...cache.layout import PRIM, STAGE, TIME_CODES_PER_LAMBDA
-from ..read.attached import FRAMES, LAMBDA, MORSE, NAMES
-from . import mesh_edits
+from ..read.attached import FRAMES, LAMBDA, MORSE, NAMES, TURN
+from . import mesh_edits, turning
 from .cache_folders import delete_old_caches
 
 
@@ -41,6 +41,7 @@ def show_baked(obj: bpy.types.Object, folders: Mapping[TargetName, Path], keep: 
 def attach_lambda(obj: bpy.types.Object, folder: Path) -> None:
     """Bring sf_orientation, sf_advection, sf_speed and sf_stream at the current λ onto the mesh."""
     _follow_lambda(obj, _attach(obj, LAMBDA, folder))
+    turning.follow_surface(obj)
 
 
 def attach_morse(obj: bpy.types.Object, folder: Path) -> None:
@@ -68,6 +69,9 @@ def _follow_lambda(obj: bpy.types.Object, cache_file: bpy.types.CacheFile) -> No
 
 
 def detach(obj: bpy.types.Object, names: tuple[str, ...] = NAMES) -> None:
+    turn = obj.modifiers.get(TURN)
+    if LAMBDA in names and turn is not None:
+        obj.modifiers.remove(turn)
     for name in names:
         modifier = obj.modifiers.get(name)
         if modifier is not None:

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ...cache.field_cache import open_cache
-from ..read.attached import LAMBDA, NAMES
+from ..read.attached import LAMBDA, NAMES, TURN
 from ..read.mesh import read_mesh
 from ..read.topology import CONNECTIVITY, SHAPE, Fit, fit, remember_mesh
 
@@ -37,11 +37,12 @@ def follow_mesh(obj: bpy.types.Object) -> None:
         return
     paused = _paused(obj)
     before = dict(paused)
-    for name in NAMES:
+    for name in (*NAMES, TURN):
         modifier = obj.modifiers.get(name)
-        if modifier is None or modifier.cache_file is None:
+        cache_file = _cache_file(obj, LAMBDA if name == TURN else name)
+        if modifier is None or cache_file is None:
             paused.pop(name, None)
-        elif fit(modifier.cache_file, obj.data) is Fit.OTHER:
+        elif fit(cache_file, obj.data) is Fit.OTHER:
             if modifier.show_viewport or modifier.show_render:
                 paused[name] = [modifier.show_viewport, modifier.show_render]
                 modifier.show_viewport = modifier.show_render = False
@@ -54,6 +55,11 @@ def follow_mesh(obj: bpy.types.Object) -> None:
 def is_paused(obj: bpy.types.Object, name: str = LAMBDA) -> bool:
     """Whether the cache of that modifier is turned off because the mesh has changed."""
     return name in _paused(obj)
+
+
+def _cache_file(obj: bpy.types.Object, name: str) -> bpy.types.CacheFile | None:
+    modifier = obj.modifiers.get(name)
+    return None if modifier is None else modifier.cache_file
 
 
 def _paused(obj: bpy.types.Object) -> dict[str, list[bool]]:
