@@ -32,7 +32,7 @@ Content = TypeVar("Content")
 class FrameFiles(Generic[Shared, Content]):
     """One file for each frame of the task, named frames/frame_0001.* so that Blender finds the sequence."""
 
-    name = ""  #: target in the plan, and the folder in the task's root
+    name = ""  #: target in the plan; begins the folder's name in the task's root, as a key of the plan ends it
     preparing = ""  #: message of the work that all frames share
     making = ""  #: message of one frame's work
 
@@ -41,7 +41,7 @@ class FrameFiles(Generic[Shared, Content]):
         self._identity = MeshIdentity.of(task.mesh)
         content = {self.name: self._settings(), "from": origin}
         plan = Plan(self.name, "frame", tuple(int(frame) for frame in task.frames), self._identity, content)
-        self._store = CacheStore(task.root / self.name, plan, resume=task.resume, replace=True)
+        self._store = CacheStore(task.root / plan.folder_name(self.name), plan, resume=task.resume)
 
     @property
     def folder(self) -> Path:
