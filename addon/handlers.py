@@ -5,7 +5,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .scene.write import cache_folders, mirror
-from .session import freshness, mesh_edits, morse_preview, morse_state, running, solver_state
+from .session import found_caches, freshness, mesh_edits, morse_preview, morse_state, running, solver_state
 from .ui import overlay
 
 
@@ -39,6 +39,11 @@ def forget_solver(*_):
 def forget_morse(*_):
     morse_preview.forget()
     morse_state.forget()
+
+
+@persistent
+def look_for_baked_caches(*_):
+    found_caches.look_soon()
 
 
 @persistent
@@ -81,6 +86,7 @@ HANDLERS = (
     ("load_post", forget_drawings),
     ("load_post", forget_morse),
     ("load_post", forget_solver),
+    ("load_post", look_for_baked_caches),
     ("undo_post", forget_drawings),
     ("redo_post", forget_drawings),
     ("load_post", follow_all_meshes),
@@ -100,6 +106,7 @@ def register() -> None:
 
 
 def unregister() -> None:
+    found_caches.stop()
     solver_state.forget()
     for name, function in HANDLERS:
         functions = getattr(bpy.app.handlers, name)

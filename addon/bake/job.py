@@ -16,6 +16,7 @@ from ..cache.layout import MANIFEST
 from ..cache.store import sha256
 from ..model.design import Design
 from ..model.errors import InputError
+from ..model.words import Json
 from ..version import VERSION
 from ..work import Steps, between, scaled
 from .lambda_cache import is_warm_started, solve_steps
@@ -48,12 +49,7 @@ def bake_steps(task: BakeTask) -> Steps[BakeResult]:
         task = yield from scaled(_solve_from_zero(task), 0.0, begin)
     cache = open_cache(task.cache)
     cache.check_mesh(task.mesh)
-    origin = {
-        "field": sha256(cache.folder / MANIFEST),
-        "lambdas": [float(lam) for lam in task.lambdas],
-        "frames_per_second": float(task.frames_per_second),
-        "stormfield": VERSION,
-    }
+    origin = origin_of(task, cache.folder)
     folders: dict[TargetName, Path] = {}
     remarks: list[str] = []
     absent: list[str] = []
@@ -67,6 +63,16 @@ def bake_steps(task: BakeTask) -> Steps[BakeResult]:
             absent += [f"{name}/{sample}" for sample in target.absent()]
         folders[name] = target.folder
     return BakeResult(folders, tuple(remarks), tuple(absent), task.cache)
+
+
+def origin_of(task: BakeTask, field: Path) -> dict[str, Json]:
+    """What the files of a task are made from, besides its settings; field: folder of the finished λ cache."""
+    return {
+        "field": sha256(field / MANIFEST),
+        "lambdas": [float(lam) for lam in task.lambdas],
+        "frames_per_second": float(task.frames_per_second),
+        "stormfield": VERSION,
+    }
 
 
 def _solve_from_zero(task: BakeTask) -> Steps[BakeTask]:

@@ -18,6 +18,7 @@ from .blender import quiet
 from .faults import UnfinishedError
 from .group import cli
 from .progress import progress
+from .scene_file import fields_of, open_scene
 
 if TYPE_CHECKING:  # not when --help is asked for: they bring NumPy along
     from bpy.types import Object
@@ -65,10 +66,8 @@ def bake(
     """Solve and bake every field of SCENE.blend; inside Blender, of the file that is open where none is named."""
     wanted = frozenset() if solve_only else _targets(targets)
     chunk = Chunk(_frames(frames), resume, join, verify)
-    bpy, path = _scene(scene, register)
-    objects = [obj for obj in bpy.context.scene.objects if obj.type == "MESH" and obj.stormfield.enabled]
-    if not objects:
-        raise InputError(f"{path}: no object has a Stormfield field; add one in Blender's sidebar, tab Stormfield")
+    bpy, path = open_scene(scene, register)
+    objects = fields_of(bpy, path)
     for obj in objects:
         _bake(bpy, obj, wanted, chunk)
     if save:
@@ -187,41 +186,3 @@ def _frames(text: str | None) -> frozenset[int] | None:
     if last < first:
         raise InputError(f"--frames {text!r}: ends before it starts; exchange the two")
     return frozenset(range(first, last + 1))
-
-
-def _scene(scene: str | None, register: Callable[[], None] | None) -> tuple[ModuleType, Path]:
-    """Blender with the scene open and the add-on registered, and the scene's file."""
-    if scene is not None and not Path(scene).is_file():
-        raise InputError(f"{scene}: no such file; check the name")
-    bpy = _blender()
-    if not hasattr(bpy.types.Object, "stormfield"):
-        if register is None:
-            raise InputError("the extension is not enabled in this Blender; enable Stormfield in its preferences")
-        register()
-    if scene is not None:
-        _open(bpy, Path(scene))
-    elif not bpy.data.filepath:
-        raise InputError(
-            "no scene is given; name a .blend file, or open one: blender -b SCENE.blend --command stormfield …"
-        )
-    return bpy, Path(bpy.data.filepath)
-
-
-def _blender() -> ModuleType:
-    try:
-        with quiet():
-            import bpy
-    except ImportError as error:
-        raise InputError(
-            f".blend files need Blender ({error}); pip install bpy, or run blender --background"
-        ) from error
-    return bpy
-
-
-def _open(bpy: ModuleType, path: Path) -> None:
-    try:
-        with quiet():
-            bpy.ops.wm.open_mainfile(filepath=str(path.resolve()))
-    except RuntimeError as error:
-        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
-        raise InputError(f"{path}: Blender cannot open it ({reason})") from error

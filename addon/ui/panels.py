@@ -7,7 +7,7 @@ from bl_ui.utils import PresetPanel
 from ..operators import bake, requirements, solve
 from ..scene.read.active_field import active_field
 from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file
-from . import out_of_date
+from . import baked_caches, out_of_date
 from .panel_parts import FieldPanel, SidebarPanel, job_button, text_lines
 
 
@@ -43,6 +43,7 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.label(text=obj.name, icon="MESH_DATA")
         row.operator("stormfield.remove_field", text="", icon="X")
+        baked_caches.draw_offer(context, layout, obj)
         column = layout.column()
         column.use_property_decorate = True
         column.prop(obj.stormfield, "lam", slider=True)
@@ -155,6 +156,7 @@ class STORMFIELD_PT_bake(FieldPanel, bpy.types.Panel):
             frames.prop(settings, "frame_start")
             frames.prop(settings, "frame_end", text="End")
         layout.prop(settings, "folder")
+        layout.operator("stormfield.use_baked_caches", icon="FILE_REFRESH")
 
 
 class STORMFIELD_PT_shading(FieldPanel, bpy.types.Panel):

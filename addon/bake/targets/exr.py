@@ -48,15 +48,19 @@ class FlowMaps(FrameFiles["native.FlowMap", np.ndarray]):
         if task.exr.field not in fields.ATTRIBUTE:
             raise InputError(f"flow maps of field '{task.exr.field}'; choose one of {', '.join(fields.ATTRIBUTE)}")
 
-    def _settings(self) -> dict[str, Json]:
-        self._layer = find_layer(self._task.mesh, self._task.exr.uv_layer)
-        self._uvs = self._task.mesh.uv_layers[self._layer]
-        digest = hashlib.sha256(self._uvs.tobytes()).hexdigest()
-        return asdict(self._task.exr) | {"uv_layer": self._layer, "uv_sha256": digest}
+    @classmethod
+    def _settings(cls, task: BakeTask) -> dict[str, Json]:
+        layer = find_layer(task.mesh, task.exr.uv_layer)
+        digest = hashlib.sha256(task.mesh.uv_layers[layer].tobytes()).hexdigest()
+        return asdict(task.exr) | {"uv_layer": layer, "uv_sha256": digest}
+
+    @property
+    def _layer(self) -> str:
+        return find_layer(self._task.mesh, self._task.exr.uv_layer)
 
     def _start_shared(self, mesh: native.TriangleMesh) -> native.FlowMapJob:
         size, margin = self._task.exr.resolution, self._task.exr.margin
-        return native.start_flow_map(mesh, self._uvs, size, size, margin)
+        return native.start_flow_map(mesh, self._task.mesh.uv_layers[self._layer], size, size, margin)
 
     def _make(
         self, shared: native.FlowMap, sample: dict[str, np.ndarray], mesh: native.TriangleMesh, message: str

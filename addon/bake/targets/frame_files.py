@@ -7,7 +7,7 @@ import contextlib
 from collections.abc import Generator, Iterable
 from functools import partial
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -32,16 +32,21 @@ Content = TypeVar("Content")
 class FrameFiles(Generic[Shared, Content]):
     """One file for each frame of the task, named frames/frame_0001.* so that Blender finds the sequence."""
 
-    name = ""  #: target in the plan; begins the folder's name in the task's root, as a key of the plan ends it
+    #: Target in the plan; begins the folder's name in the task's root, as a key of the plan ends it.
+    name: ClassVar[str] = ""
     preparing = ""  #: message of the work that all frames share
     making = ""  #: message of one frame's work
 
     def __init__(self, task: BakeTask, cache: FieldCache, origin: Origin) -> None:
         self._task, self._cache = task, cache
-        self._identity = MeshIdentity.of(task.mesh)
-        content = {self.name: self._settings(), "from": origin}
-        plan = Plan(self.name, "frame", tuple(int(frame) for frame in task.frames), self._identity, content)
+        plan = self.plan(task, cache.lambdas, origin)
+        self._identity = plan.mesh
         self._store = CacheStore(task.root / plan.folder_name(self.name), plan, resume=task.resume)
+
+    @classmethod
+    def plan(cls, task: BakeTask, lambdas: np.ndarray, origin: Origin) -> Plan:
+        content = {cls.name: cls._settings(task), "from": origin}
+        return Plan(cls.name, "frame", tuple(int(frame) for frame in task.frames), MeshIdentity.of(task.mesh), content)
 
     @property
     def folder(self) -> Path:
@@ -83,7 +88,8 @@ class FrameFiles(Generic[Shared, Content]):
 
     # Of each target ---------------------------------------------------------------------------------------------------
 
-    def _settings(self) -> dict[str, Json]:
+    @classmethod
+    def _settings(cls, task: BakeTask) -> dict[str, Json]:
         """JSON of all that decides the files, besides mesh, frames and origin. Raises InputError for useless ones."""
         raise NotImplementedError
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -33,14 +34,20 @@ PHASE_A, PHASE_B, BLEND = "sf_phase_a", "sf_phase_b", "sf_blend"
 class FlowingTexture:
     """A frame cache for the Mesh Sequence Cache modifier."""
 
+    name: ClassVar[str] = "frames"
+
     def __init__(self, task: BakeTask, cache: FieldCache, origin: Origin) -> None:
         self._task, self._cache = task, cache
-        settings = {"flow": vars(task.flow), "from": origin}
-        plan = Plan("usd", "frame", task.frames, MeshIdentity.of(task.mesh), settings)
-        self.folder: Path = task.root / plan.folder_name("frames")
+        plan = self.plan(task, cache.lambdas, origin)
+        self.folder: Path = task.root / plan.folder_name(self.name)
         self._writer = FrameCacheWriter(
-            self.folder, task.mesh, task.frames, settings, polygons=task.polygons, resume=task.resume, replace=True
+            self.folder, task.mesh, task.frames, plan.settings, polygons=task.polygons, resume=task.resume, replace=True
         )
+
+    @classmethod
+    def plan(cls, task: BakeTask, lambdas: np.ndarray, origin: Origin) -> Plan:
+        settings = {"flow": vars(task.flow), "from": origin}
+        return Plan("usd", "frame", task.frames, MeshIdentity.of(task.mesh), settings)
 
     @staticmethod
     def check(task: BakeTask) -> None:

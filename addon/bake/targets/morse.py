@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -39,16 +40,21 @@ SETS_END = 0.7
 class MorseCache:
     """A λ cache of the Morse sets. Of several machines the one with the first frame writes all of it."""
 
+    name: ClassVar[str] = "morse"
+
     def __init__(self, task: BakeTask, cache: FieldCache, origin: Origin) -> None:
         self._task, self._cache = task, cache
-        settings = {"morse": vars(task.morse), "from": {name: origin[name] for name in ("field", "stormfield")}}
-        lambdas = cache.lambdas.tolist()
-        plan = Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(task.mesh), settings)
-        self.folder: Path = task.root / plan.folder_name("morse")
+        plan = self.plan(task, cache.lambdas, origin)
+        self.folder: Path = task.root / plan.folder_name(self.name)
         self._polygons = task.polygons or Polygons.of_triangles(task.mesh.triangles)
         self._writer = FieldCacheWriter(
-            self.folder, task.mesh, lambdas, settings, polygons=self._polygons, resume=task.resume, replace=True
+            self.folder, task.mesh, plan.times, plan.settings, polygons=self._polygons, resume=task.resume, replace=True
         )
+
+    @classmethod
+    def plan(cls, task: BakeTask, lambdas: np.ndarray, origin: Origin) -> Plan:
+        settings = {"morse": vars(task.morse), "from": {name: origin[name] for name in ("field", "stormfield")}}
+        return Plan("usd", "lambda", tuple(lambdas.tolist()), MeshIdentity.of(task.mesh), settings)
 
     @staticmethod
     def check(task: BakeTask) -> None:

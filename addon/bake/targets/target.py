@@ -9,9 +9,12 @@ run(target.finish())                               # False while samples of othe
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Protocol
+from typing import ClassVar, Protocol
+
+import numpy as np
 
 from ...cache.field_cache import FieldCache
+from ...cache.plan import Plan
 from ...model.words import Json
 from ...work import Steps
 from ..task import BakeTask
@@ -21,8 +24,14 @@ Origin = Mapping[str, Json]
 
 
 class Target(Protocol):
+    name: ClassVar[str]  #: word of the folder in the task's root: task.root / plan.folder_name(name)
+
     def __init__(self, task: BakeTask, cache: FieldCache, origin: Origin) -> None:
         """Opens the folder: keeps what is finished where the task resumes, and deletes what was baked otherwise."""
+
+    @classmethod
+    def plan(cls, task: BakeTask, lambdas: np.ndarray, origin: Origin) -> Plan:
+        """The plan of these files; lambdas: of the samples of the λ cache. Equal plans have equal folders."""
 
     @property
     def folder(self) -> Path: ...

@@ -49,8 +49,9 @@ class Bands(FrameFiles["native.VoxelBand", Fields]):
         """Any mesh has voxels around it. Raises InputError where no OpenVDB is."""
         bundled("openvdb")
 
-    def _settings(self) -> dict[str, Json]:
-        return asdict(self._task.vdb)
+    @classmethod
+    def _settings(cls, task: BakeTask) -> dict[str, Json]:
+        return asdict(task.vdb)
 
     def _start_shared(self, mesh: native.TriangleMesh) -> native.VoxelBandJob:
         return native.start_voxel_band(mesh, self._task.vdb.voxel_size, self._task.vdb.half_width)

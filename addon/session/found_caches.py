@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Finished caches that belong to the open scene but are not shown: a farm has baked them since the file was saved.
+
+found_caches.look()           # after a file was loaded, when Blender is at rest
+found_caches.offered(obj)     # ["field", "flowing texture"]; empty where there is nothing to offer
+"""
+
+import bpy
+
+from ..model.errors import InputError
+from ..scene.read.finished_caches import are_any, not_shown, read_finished
+
+#: Seconds after a file was loaded until its caches are looked for: its window appears first.
+DELAY = 0.5
+
+_offered: dict[int, list[str]] = {}  #: by session uid
+
+
+def look_soon() -> None:
+    """Called when a file was loaded. Without a window nobody could be asked."""
+    _offered.clear()
+    if not bpy.app.background and not bpy.app.timers.is_registered(look):
+        bpy.app.timers.register(look, first_interval=DELAY)
+
+
+def look() -> None:
+    """Looks for the caches of every field of the scene."""
+    for obj in bpy.context.scene.objects:
+        if obj.type == "MESH" and obj.stormfield.enabled and obj.mode != "EDIT" and are_any(obj):
+            try:
+                _offered[obj.session_uid] = not_shown(obj, read_finished(bpy.context, obj))
+            except InputError:  # Solve says what is wrong
+                continue
+
+
+def offered(obj: bpy.types.Object) -> list[str]:
+    """What the caches are that were found for an object, for its panel."""
+    return _offered.get(obj.session_uid, [])
+
+
+def forget(obj: bpy.types.Object) -> None:
+    _offered.pop(obj.session_uid, None)
+
+
+def stop() -> None:
+    _offered.clear()
+    if bpy.app.timers.is_registered(look):
+        bpy.app.timers.unregister(look)
