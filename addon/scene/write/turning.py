@@ -10,10 +10,8 @@ import bpy
 
 from ... import compat
 from ..nodes.turning import KEEP_SPEED, turn_group
-from ..read.attached import LAMBDA, NAMES, TURN
-
-#: Kinds of parents that bend what they carry.
-BENDING_PARENTS = frozenset({"ARMATURE", "LATTICE", "CURVE"})
+from ..read.attached import LAMBDA, TURN
+from ..read.seen_surface import is_changed
 
 
 def follow_surface(obj: bpy.types.Object) -> None:
@@ -28,16 +26,6 @@ def follow_surface(obj: bpy.types.Object) -> None:
     modifier.show_render = obj.modifiers[LAMBDA].show_render
     obj.add_rest_position_attribute = True
     set_speed(obj)
-
-
-def is_changed(obj: bpy.types.Object) -> bool:
-    """Whether shape keys, modifiers or a parent may change the surface that is seen."""
-    own = {*NAMES, TURN}
-    return (
-        obj.data.shape_keys is not None
-        or any(modifier.name not in own for modifier in obj.modifiers)
-        or (obj.parent is not None and obj.parent_type in BENDING_PARENTS)
-    )
 
 
 def set_speed(obj: bpy.types.Object) -> None:
