@@ -22,7 +22,7 @@ OPERATORS = {
         *("remove_element", "move_element", "element_preset"),
     ),
     "panels/solve": ("solve", "add_preset"),
-    "panels/bake": ("bake", "use_baked_caches"),
+    "panels/bake": ("bake", "use_baked_caches", "bring_caches", "clean_caches"),
     "panels/shading": ("apply_material",),
     "panels/analysis": (
         *("analyze", "analyze_lambda", "go_to_entity", "show_graph", "update_markers"),

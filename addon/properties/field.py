@@ -57,6 +57,9 @@ class FieldProperties(bpy.types.PropertyGroup):
     )
     elements: CollectionProperty(type=ElementProperties)
     active_element: IntProperty(name="Active Element", description="Index of the element shown below the list")
+    cache_name: StringProperty(
+        name="Cache Name", description="Name of the folder of this object's caches; it stays when the object is renamed"
+    )
     solve: PointerProperty(type=SolveProperties)
     bake: PointerProperty(type=BakeProperties)
     look: PointerProperty(type=LookProperties)

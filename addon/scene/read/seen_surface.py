@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from mathutils.bvhtree import BVHTree
 
-from .attached import NAMES, TURN
+from .attached import NAMES, TURN, find_modifier
 from .mesh import loop_triangles
 from .places import Places
 
@@ -25,10 +25,10 @@ BENDING_PARENTS = frozenset({"ARMATURE", "LATTICE", "CURVE"})
 
 def is_changed(obj: bpy.types.Object) -> bool:
     """Whether shape keys, modifiers or a parent may change the surface that is seen."""
-    own = {*NAMES, TURN}
+    own = [find_modifier(obj, sort) for sort in (*NAMES, TURN)]
     return (
         obj.data.shape_keys is not None
-        or any(modifier.name not in own for modifier in obj.modifiers)
+        or any(modifier not in own for modifier in obj.modifiers)
         or (obj.parent is not None and obj.parent_type in BENDING_PARENTS)
     )
 

@@ -10,27 +10,28 @@ import bpy
 
 from ... import compat
 from ..nodes.turning import KEEP_SPEED, turn_group
-from ..read.attached import LAMBDA, TURN
+from ..read.attached import LAMBDA, SORT, TURN, find_modifier
 from ..read.seen_surface import is_changed
 
 
 def follow_surface(obj: bpy.types.Object) -> None:
     """Add the modifier where the object's surface is not its own mesh, and it is not there yet."""
-    if TURN in obj.modifiers or LAMBDA not in obj.modifiers or not is_changed(obj):
+    field = find_modifier(obj, LAMBDA)
+    if field is None or find_modifier(obj, TURN) is not None or not is_changed(obj):
         return
     modifier: Any = obj.modifiers.new(TURN, "NODES")
     modifier.node_group = turn_group()
+    modifier.node_group[SORT] = TURN
     modifier.use_pin_to_last = True
     modifier.show_expanded = False
-    modifier.show_viewport = obj.modifiers[LAMBDA].show_viewport
-    modifier.show_render = obj.modifiers[LAMBDA].show_render
+    modifier.show_viewport, modifier.show_render = field.show_viewport, field.show_render
     obj.add_rest_position_attribute = True
     set_speed(obj)
 
 
 def set_speed(obj: bpy.types.Object) -> None:
     """Bring the setting of the field to the modifier."""
-    modifier = obj.modifiers.get(TURN)
+    modifier = find_modifier(obj, TURN)
     if modifier is None:
         return
     items = modifier.node_group.interface.items_tree
