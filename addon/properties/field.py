@@ -30,6 +30,11 @@ def _set_speed(field, _context) -> None:
     turning.set_speed(field.id_data)
 
 
+def _tell_blender(self, _context) -> None:
+    """Blender does not see by itself that a script has set λ."""
+    self.id_data.update_tag()
+
+
 class FieldProperties(bpy.types.PropertyGroup):
     enabled: BoolProperty(name="Has Field", description="Stormfield designs a field on this mesh", default=False)
     lam: FloatProperty(
@@ -43,6 +48,7 @@ class FieldProperties(bpy.types.PropertyGroup):
         step=1,
         subtype="FACTOR",
         options={"ANIMATABLE"},
+        update=_tell_blender,
     )
     paused: StringProperty(
         name="Paused",

@@ -11,14 +11,11 @@ _seen: tuple[object, ...] = ()
 def part_new_copies() -> None:
     """Parts what objects share, when objects or cache files have come since the last time."""
     global _seen
-    now = _state()
-    if now != _seen:
-        if any(users > 1 or linked for _uid, users, linked in now[1:]):
-            cache_files.part_copies()
-            now = _state()
-        _seen = now
+    if _state() != _seen:
+        cache_files.part_copies()
+        _seen = _state()
 
 
 def _state() -> tuple:
-    blocks = ((file.session_uid, file.users, file.library is not None) for file in bpy.data.cache_files)
+    blocks = ((file.session_uid, file.users, cache_files.followed(file) is None) for file in bpy.data.cache_files)
     return (len(bpy.data.objects), *blocks)

@@ -79,7 +79,7 @@ def _attach(obj: bpy.types.Object, sort: str, folder: Path) -> None:
     if cache_file is None or not cache_files.is_own(obj, cache_file):
         modifier.cache_file = cache_file = cache_files.new(stage)
     cache_file[SORT] = sort
-    cache_file.filepath = relative(stage, bpy.data.filepath)
+    cache_files.set_path(cache_file, stage)
     modifier.object_path = PRIM
     modifier.read_data = {"ATTRIBUTES"}
     earlier = sum(find_modifier(obj, other) is not None for other in NAMES[: NAMES.index(sort)])

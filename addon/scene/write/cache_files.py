@@ -15,6 +15,9 @@ from ..read.attached import NAMES, OVER_LAMBDA, SORT, file_of, find_modifier
 from ..read.cache_paths import RECORDS
 from ..read.folders import relative
 
+#: Bytes of a path in Blender, without the one that ends it.
+LONGEST_PATH = 1023
+
 
 def new(stage: Path) -> bpy.types.CacheFile:
     before = set(bpy.data.cache_files)
@@ -22,6 +25,15 @@ def new(stage: Path) -> bpy.types.CacheFile:
     cache_file = next(iter(set(bpy.data.cache_files) - before))
     cache_file.user_clear()  # the operator counts a button as user that is not there without a window
     return cache_file
+
+
+def set_path(cache_file: bpy.types.CacheFile, stage: Path) -> None:
+    """The file it reads, relative to the open file where that is possible."""
+    text = relative(stage, bpy.data.filepath)
+    if cache_file.filepath != text:
+        # Blender writes the whole buffer: the end of a longer path would go on naming the old cache (cache_use.py).
+        cache_file.filepath = "/" * LONGEST_PATH
+        cache_file.filepath = text
 
 
 def follow_lambda(obj: bpy.types.Object, cache_file: bpy.types.CacheFile) -> None:
@@ -92,7 +104,7 @@ def _copy(cache_file: bpy.types.CacheFile, sort: str) -> bpy.types.CacheFile:
     copy.animation_data_clear()
     copy.user_clear()
     copy[SORT] = sort
-    copy.filepath = relative(path, bpy.data.filepath)
+    set_path(copy, path)
     return copy
 
 
