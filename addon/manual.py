@@ -22,12 +22,13 @@ OPERATORS = {
         *("remove_element", "move_element", "element_preset"),
     ),
     "panels/solve": ("solve", "add_preset"),
-    "panels/bake": ("bake", "use_baked_caches", "bring_caches", "clean_caches"),
+    "panels/bake": ("bake", "use_baked_caches"),
     "panels/shading": ("apply_material",),
     "panels/analysis": (
         *("analyze", "analyze_lambda", "go_to_entity", "show_graph", "update_markers"),
         *("forget_analysis", "select_entity"),
     ),
+    "panels/graph": ("keep_entity",),
     "panels/curves": ("streamlines", "pathlines"),
     "panels/morse": ("morse_sets", "refine_morse", "refine_set"),
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The entity connection graph (thesis 2.2.2, 3.2): native Topology → EntityGraph, and its words in JSON.
+"""The entity connection graph (thesis 2.2.2, 3.2): Topology → EntityGraph, and its words in JSON.
 
-topology = native.start_topology(field).result()
+topology = with_field(native.start_topology(field).result(), region_without_field(mesh, vectors))
 graph = entity_graph(topology, lam=0.5)             # fixed points first, then periodic orbits, as in the topology
 content = topology_json(topology, graph)            # fixed_points, periodic_orbits, separatrices, links, index_sum ...
 """
@@ -15,6 +15,7 @@ import numpy as np
 from .. import native
 from ..model.words import Json
 from .entities import Entity, EntityGraph, EntityKind, Link, Row
+from .no_field import Separatrix, Topology
 
 TITLE = "Entity connection graph"
 
@@ -30,10 +31,10 @@ ROWS: dict[EntityKind, tuple[Row, str]] = {
 }
 
 
-def entity_graph(topology: native.Topology, lam: float = 0.0) -> EntityGraph:
+def entity_graph(topology: Topology, lam: float = 0.0) -> EntityGraph:
     """Entity i is fixed point i; the periodic orbits follow. Links carry their separatrices in the flow's direction.
 
-    topology: native Topology. Strength in 1/s: of a fixed point the square root of |det J|, of an orbit the rate
+    Strength in 1/s: of a fixed point the square root of |det J|, of an orbit the rate
     |log multiplier| / period at which neighbours come nearer or leave.
     """
     count: Counter[str] = Counter()
@@ -78,7 +79,7 @@ def entity_graph(topology: native.Topology, lam: float = 0.0) -> EntityGraph:
     return EntityGraph(TITLE, tuple(entities), links, lam)
 
 
-def topology_json(topology: native.Topology, graph: EntityGraph) -> dict[str, Json]:
+def topology_json(topology: Topology, graph: EntityGraph) -> dict[str, Json]:
     """The entities and links of `stormfield analyze` (docs/formats.md). Links name the places of their ends in
     entities: the fixed points, then the periodic orbits."""
     points, orbits = topology.fixed_points, topology.periodic_orbits
@@ -104,11 +105,11 @@ def topology_json(topology: native.Topology, graph: EntityGraph) -> dict[str, Js
         ],
         "index_sum": inside,
         "boundary_index_sum": boundary,
-        "zero_regions": {"faces": int(topology.zero_faces), "vertices": int(topology.zero_vertices)},
+        "zero_regions": topology.region.to_json(),
     }
 
 
-def _number(topology: native.Topology, entity: tuple[str, int | None]) -> int:
+def _number(topology: Topology, entity: tuple[str, int | None]) -> int:
     """Place among the entities."""
     kind, index = entity
     assert index is not None
@@ -119,7 +120,7 @@ def _rate(multiplier: float, period: float) -> float:
     return abs(float(np.log(max(multiplier, 1e-300)))) / period if period > 0.0 else 0.0
 
 
-def _with_flow(separatrix: native.Separatrix) -> np.ndarray:
+def _with_flow(separatrix: Separatrix) -> np.ndarray:
     points = np.asarray(separatrix.points)
     return points if separatrix.outgoing else points[::-1]
 
@@ -159,7 +160,7 @@ def _orbit(orbit: native.PeriodicOrbit, name: str) -> dict[str, Json]:
     }
 
 
-def _separatrix(topology: native.Topology, separatrix: native.Separatrix, names: list[str]) -> dict[str, Json]:
+def _separatrix(topology: Topology, separatrix: Separatrix, names: list[str]) -> dict[str, Json]:
     kind, index = separatrix.end
     place = None if index is None else _number(topology, separatrix.end)
     return {

@@ -24,6 +24,7 @@ from ..model.words import MorseOptions
 from ..work import Step, Steps, result_of
 from . import ecg, mcg, tracking
 from .entities import EntityGraph
+from .no_field import Region, region_without_field, with_field
 from .tracking import Tracking
 
 #: Where an analysis begins, in the fractions of its steps: before, its one field is read, or all samples.
@@ -32,9 +33,11 @@ READ_ONE, READ = 0.1, 0.4
 
 def ecg_steps(mesh: MeshData, values: np.ndarray, lam: float) -> Steps[EntityGraph]:
     """The entity connection graph of one instantaneous field. values: (n, 3) at the vertices."""
-    _surface, field = yield from field_steps(mesh, values)
+    surface, field = yield from field_steps(mesh, values)
+    region = region_without_field(surface, values)
+    yield from _note(region)
     topology = yield from result_of(native.start_topology(field), READ_ONE, "Following separatrices and orbits")
-    return ecg.entity_graph(topology, lam)
+    return ecg.entity_graph(with_field(topology, region), lam)
 
 
 def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str, persistence: float = 0.0) -> Steps[Tracking]:
@@ -55,8 +58,16 @@ def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str, persistenc
             raise InputError(f"{cache.folder}: has no {attribute}; solve again")
         tangents[index] = surface.to_tangent(sample[attribute].astype(np.float64))
     field = native.ParameterizedField(surface, lambdas, tangents)
+    region = region_without_field(surface, tangents)
+    yield from _note(region)
     found = yield from result_of(tracking.start(field), READ, "Following fixed points over λ")
-    return tracking.from_native(found.persistent(min_life=persistence) if persistence > 0 else found)
+    return tracking.from_native(found.persistent(min_life=persistence) if persistence > 0 else found, region=region)
+
+
+def _note(region: Region) -> Steps[None]:
+    """Tell where there is no field."""
+    if region.note:
+        yield Step(READ_ONE, "Leaving out what has no field", notes=(region.note,))
 
 
 @dataclass(frozen=True, eq=False)

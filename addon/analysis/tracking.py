@@ -19,6 +19,7 @@ import numpy as np
 
 from .. import native
 from ..model.words import FixedPointKind, Json
+from .no_field import Region
 
 Begin = Literal["first", "boundary", "creation"]
 End = Literal["last", "boundary", "annihilation"]
@@ -115,22 +116,38 @@ def start(field: native.ParameterizedField) -> native.TrackingJob:
     return native.start_tracking(field)
 
 
-def from_native(tracking: native.Tracking, min_life: float = 0.0, min_strength: float = 0.0) -> Tracking:
+def from_native(
+    tracking: native.Tracking, min_life: float = 0.0, min_strength: float = 0.0, region: Region | None = None
+) -> Tracking:
     """A native Tracking as plain data, without what lives shorter than min_life (fraction of λ) or is weaker (1/s).
 
     Short paths go in pairs, and folds become one path: the sum of indices stays, and every end is still classified.
     Weak ones are left out; a bifurcation stays while one of its paths does, and names those that do. The native object
-    is not changed: keep it to filter again.
+    is not changed: keep it to filter again. region: without a field at any λ; paths in it are left out.
     """
     if min_life > 0.0 or min_strength > 0.0:
         tracking = tracking.persistent(min_life, min_strength)
+    paths = [path for path in enumerate(tracking.paths) if region is None or not _lies_in(path[1], region)]
+    number = {old: new for new, (old, _) in enumerate(paths)}
+    events = [
+        (event, tuple(number[path] for path in event.paths if path in number))
+        for event in tracking.bifurcations
+        if not event.paths or any(path in number for path in event.paths)
+    ]
     return Tracking(
-        tuple(_path(i, path) for i, path in enumerate(tracking.paths)),
+        tuple(_path(i, path) for i, (_, path) in enumerate(paths)),
         tuple(
-            Bifurcation(i, event.lam, np.asarray(event.position), event.kind, event.node, tuple(event.paths))
-            for i, event in enumerate(tracking.bifurcations)
+            Bifurcation(i, event.lam, np.asarray(event.position), event.kind, event.node, left)
+            for i, (event, left) in enumerate(events)
         ),
     )
+
+
+def _lies_in(path: native.TrackedPath, region: Region) -> bool:
+    """Whether all of a path lies where there is no field."""
+    if not region.vertices.any():
+        return False
+    return all(region.holds(face, weights) for face, weights in zip(path.faces, path.barycentric, strict=True))
 
 
 def _path(i: int, path: native.TrackedPath) -> TrackedPath:

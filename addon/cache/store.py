@@ -70,7 +70,7 @@ class CacheStore:
         found = _existing_plan(self.folder)
         if found is not None and not found.same(plan) and not replace:
             self._check_replaceable(found, resume)
-        with disk_faults(self.folder):
+        with _disk_faults(self.folder):
             for folder_name in {name.partition("/")[0] for name in self.names}:
                 (self.folder / folder_name).mkdir(parents=True, exist_ok=True)
             if found is not None and not found.same(plan):
@@ -90,7 +90,7 @@ class CacheStore:
     def write(self, index: int, write_file: WriteFile) -> None:
         """write_file(path) must leave a complete file at path; it gets its name when it is safely on the disk."""
         name = self.names[index]
-        with disk_faults(self.folder):
+        with _disk_faults(self.folder):
             if not self._holds_finished(name):
                 self._reopen()
                 with self._or_written_elsewhere(name):
@@ -102,7 +102,7 @@ class CacheStore:
         """write() in steps: write_file(path) yields the fraction that is written. Closing the generator removes the
         file in work."""
         name = self.names[index]
-        with disk_faults(self.folder):
+        with _disk_faults(self.folder):
             if not self._holds_finished(name):
                 self._reopen()
                 with self._or_written_elsewhere(name):
@@ -123,7 +123,7 @@ class CacheStore:
         A sample whose checksum stands next to it is whole: names come last. verify: all are read nevertheless, and one
         that is damaged counts as missing.
         """
-        with disk_faults(self.folder):
+        with _disk_faults(self.folder):
             found = self._manifest()
             if found is not None and shared.keys() <= found.keys() and self._is_whole(found, verify=verify):
                 self._clean()
@@ -322,7 +322,7 @@ def delete_cache(folder: str | os.PathLike, *, keep_folders: bool = False) -> No
     The manifest goes first, so that an interrupted deletion leaves no cache that claims to be whole.
     """
     folder = Path(folder)
-    with disk_faults(folder):
+    with _disk_faults(folder):
         for name in (MANIFEST, *SHARED):
             (folder / name).unlink(missing_ok=True)
         for path in _owned(folder):
@@ -418,7 +418,7 @@ def _sync(path: Path) -> None:
 
 
 @contextlib.contextmanager
-def disk_faults(folder: Path) -> Iterator[None]:
+def _disk_faults(folder: Path) -> Iterator[None]:
     """One clear line for what the disk refuses."""
     try:
         yield

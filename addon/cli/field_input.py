@@ -9,6 +9,7 @@ def analyze(given: FieldInput, ...): ...; given.draw(draw_analysis, ...); given.
 from __future__ import annotations
 
 import functools
+import sys
 from collections.abc import Callable
 
 import click
@@ -37,6 +38,11 @@ class FieldInput:
             self.data = read_field(field, choice)
         with self.phases("mesh"):
             self.mesh = native.TriangleMesh(self.data.mesh.vertices, self.data.mesh.triangles)
+
+    def note(self, text: str) -> None:
+        """What the user should know although nothing is wrong, on standard error; nothing where it is empty."""
+        if text:
+            print(f"note: {text}", file=sys.stderr)
 
     def draw(self, draw: Callable[..., None], *arguments: object) -> None:
         """draw(image, mesh, *arguments) where a picture is asked for."""

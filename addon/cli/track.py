@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """stormfield track FIELD: the paths of fixed points over λ, and their bifurcations."""
 
-import sys
-
 import click
 import numpy as np
 
@@ -41,6 +39,7 @@ def track(given: FieldInput, min_life: float, min_strength: float) -> None:
     """Follow the fixed points of FIELD over λ, from their creation to their annihilation."""
     from .. import native
     from ..analysis import tracking
+    from ..analysis.no_field import region_without_field
     from ..figures.image import draw_tracking
     from ..work import result_of, run
 
@@ -52,13 +51,12 @@ def track(given: FieldInput, min_life: float, min_strength: float) -> None:
         job = tracking.start(native.ParameterizedField(mesh, np.asarray(data.lambdas, np.float64), tangents))
         followed = run(result_of(job, 0.0, "following fixed points"), show)
     with given.phases("persistence"):
-        found = tracking.from_native(followed, min_life, min_strength)
+        region = region_without_field(mesh, tangents)
+        found = tracking.from_native(followed, min_life, min_strength, region)
+    given.note(region.note)
     zeros = int((tangents == 0.0).sum())
-    if zeros:
-        print(
-            f"note: {zeros} of {tangents.size} vectors are zero; fixed points among them are degenerate",
-            file=sys.stderr,
-        )
+    if zeros and not region.note:
+        given.note(f"{zeros} of {tangents.size} vectors are zero; fixed points among them are degenerate")
     given.draw(draw_tracking, found)
     given.write(
         "stormfield.tracking/1",
@@ -67,6 +65,7 @@ def track(given: FieldInput, min_life: float, min_strength: float) -> None:
             "min_life": min_life,
             "min_strength": min_strength,
             "zero_vectors": zeros,
+            "zero_regions": region.to_json(),
             **tracking.to_json(found),
         },
     )

@@ -8,7 +8,7 @@ from ..scene.read import folders
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
 from ..scene.write import attach
-from ..session import freshness, made_caches, solver_state
+from ..session import freshness, solver_state
 from . import requirements
 from .job_operator import JobOperator
 
@@ -30,15 +30,11 @@ class SolvingOperator(JobOperator):
         mesh, design = read_design(context, obj)
         self._read = freshness.read(obj)
         state = solver_state.of(obj) if obj.stormfield.solve.keep_solver else None
-        root = folders.cache_root(obj)
-        self._before = made_caches.existing(root)
-        return solve_steps(mesh, design, root, read_polygons(obj), state=state)
+        return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj), state=state)
 
     def finish(self, _context, obj, folder):
         attach.show_solved(obj, folder)
         freshness.keep(obj, self._read)
-        made_caches.note(folder, self._before)
-        made_caches.delete_superseded()
 
 
 class STORMFIELD_OT_solve(SolvingOperator, bpy.types.Operator):

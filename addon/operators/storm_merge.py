@@ -67,11 +67,11 @@ class STORMFIELD_OT_storm_merge(SolvingOperator, bpy.types.Operator):
         planet.select_set(True)
         context.view_layer.objects.active = planet
         view.look_at(context, place, Vector(storm_merge.on_sphere(*storm_merge.SEEN_FROM)), DISTANCE)
-        view.show_materials(context)
         return planet
 
     def finish(self, context, obj, folder):
         super().finish(context, obj, folder)
+        view.show_materials(context)  # not before: drawing them would take the solve's time
         view.play(context)
 
     def was_stopped(self, name):

@@ -30,11 +30,6 @@ def _set_speed(field, _context) -> None:
     turning.set_speed(field.id_data)
 
 
-def _tell_blender(self, _context) -> None:
-    """Blender does not see by itself that a script has set λ."""
-    self.id_data.update_tag()
-
-
 class FieldProperties(bpy.types.PropertyGroup):
     enabled: BoolProperty(name="Has Field", description="Stormfield designs a field on this mesh", default=False)
     lam: FloatProperty(
@@ -48,7 +43,6 @@ class FieldProperties(bpy.types.PropertyGroup):
         step=1,
         subtype="FACTOR",
         options={"ANIMATABLE"},
-        update=_tell_blender,
     )
     paused: StringProperty(
         name="Paused",
@@ -63,9 +57,6 @@ class FieldProperties(bpy.types.PropertyGroup):
     )
     elements: CollectionProperty(type=ElementProperties)
     active_element: IntProperty(name="Active Element", description="Index of the element shown below the list")
-    cache_name: StringProperty(
-        name="Cache Name", description="Name of the folder of this object's caches; it stays when the object is renamed"
-    )
     solve: PointerProperty(type=SolveProperties)
     bake: PointerProperty(type=BakeProperties)
     look: PointerProperty(type=LookProperties)

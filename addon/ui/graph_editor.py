@@ -45,6 +45,13 @@ class RouteItem(bpy.types.PropertyGroup):
     bend: FloatVectorProperty(size=2)
 
 
+class PlaceItem(bpy.types.PropertyGroup):
+    """An entity with its place in the graph, in the order of the list; its name is that of its node."""
+
+    kind: StringProperty()
+    place: FloatVectorProperty(size=2)
+
+
 class StormfieldGraph(bpy.types.NodeTree):
     """Graph of the entities: repelling ones above, saddles between, attracting ones below; links go with the flow"""
 
@@ -57,6 +64,13 @@ class StormfieldGraph(bpy.types.NodeTree):
     title: StringProperty()
     row: FloatProperty(description="Distance of the rows (units of the tree)")
     routes: CollectionProperty(type=RouteItem)
+    places: CollectionProperty(type=PlaceItem)
+    whole: BoolProperty(description="Whether nodes are as they were made, and not being made")
+
+    def update(self):
+        """Blender calls this when nodes or links were added or removed: nodes that were deleted come back."""
+        if self.whole and not entity_nodes.is_whole(self):
+            _repair_soon(self.session_uid)
 
     @classmethod
     def get_from_context(cls, context):
@@ -186,6 +200,55 @@ def _take_over(uid: int, which: str) -> None:
     bpy.app.timers.register(later, first_interval=0.0)
 
 
+def _repair_soon(uid: int) -> None:
+    """Right after Blender's own operator, which must not lose its nodes under its hands."""
+
+    def later():
+        for tree in bpy.data.node_groups:
+            if tree.session_uid == uid and not entity_nodes.is_whole(tree):
+                entity_nodes.make_whole(tree)
+
+    bpy.app.timers.register(later, first_interval=0.0)
+
+
+class STORMFIELD_OT_keep_entity(bpy.types.Operator):
+    """Say why an entity cannot be deleted in the graph: it is what the field does"""
+
+    bl_idname = "stormfield.keep_entity"
+    bl_label = "Keep Entity"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        space = context.space_data
+        return space is not None and space.type == "NODE_EDITOR" and space.tree_type == entity_nodes.TREE
+
+    def execute(self, _context):
+        self.report({"WARNING"}, KEEPS)
+        return {"CANCELLED"}
+
+
+#: What is said when an artist presses X in the graph.
+KEEPS = "The graph shows what the field does: nothing can be deleted in it. Change the elements and solve again"
+_keys: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
+
+
+def _register_keys() -> None:
+    """The keys that delete and cut nodes say in our graphs why they do not; in other node editors they do as ever."""
+    config = bpy.context.window_manager.keyconfigs.addon
+    if config is None:  # background mode
+        return
+    keys = config.keymaps.new(name="Node Editor", space_type="NODE_EDITOR")
+    for key, modifiers in (("X", {}), ("DEL", {}), ("X", {"ctrl": True}), ("DEL", {"ctrl": True})):
+        _keys.append((keys, keys.keymap_items.new(STORMFIELD_OT_keep_entity.bl_idname, key, "PRESS", **modifiers)))
+
+
+def _unregister_keys() -> None:
+    for keys, item in _keys:
+        keys.keymap_items.remove(item)
+    _keys.clear()
+
+
 _kept: dict[int, tuple] = {}  # per tree: what its links were drawn from, and their batch
 
 
@@ -280,12 +343,20 @@ def _arrow(points: np.ndarray) -> np.ndarray:
     return np.array([[tip, tip + back + aside], [tip, tip + back - aside]])
 
 
-CLASSES = (RouteItem, StormfieldGraph, StormfieldEntity, STORMFIELD_PT_graph_entity)
+CLASSES = (
+    RouteItem,
+    PlaceItem,
+    StormfieldGraph,
+    StormfieldEntity,
+    STORMFIELD_OT_keep_entity,
+    STORMFIELD_PT_graph_entity,
+)
 
 
 def register() -> None:
     global _handle
     bpy.types.NODE_HT_header.append(draw_header)
+    _register_keys()
     if not bpy.app.background:
         _handle = bpy.types.SpaceNodeEditor.draw_handler_add(_draw, (), "WINDOW", "BACKDROP")
 
@@ -295,6 +366,7 @@ def unregister() -> None:
     if _handle is not None:
         bpy.types.SpaceNodeEditor.draw_handler_remove(_handle, "WINDOW")
         _handle = None
+    _unregister_keys()
     _kept.clear()
     _framed.clear()
     bpy.types.NODE_HT_header.remove(draw_header)

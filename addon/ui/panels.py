@@ -6,9 +6,7 @@ from bl_ui.utils import PresetPanel
 
 from ..operators import bake, requirements, solve
 from ..scene.read.active_field import active_field
-from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file, find_modifier
-from ..scene.write.cache_folders import stray_folders
-from ..session import saves
+from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file
 from . import baked_caches, out_of_date
 from .panel_parts import FieldPanel, SidebarPanel, job_button, text_lines
 
@@ -50,7 +48,7 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
         column.use_property_decorate = True
         column.prop(obj.stormfield, "lam", slider=True)
         layout.operator("stormfield.key_lambda", icon="KEY_HLT")
-        if find_modifier(obj, TURN) is not None:
+        if TURN in obj.modifiers:
             layout.prop(obj.stormfield, "speed_on")
 
 
@@ -124,11 +122,6 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         column.prop(settings, "samples")
         column.prop(settings, "tolerance")
         column.prop(settings, "keep_solver")
-        if stray_folders(obj):
-            sentences = saves.refused() or ("Caches of this object do not lie beside the file.",)
-            for sentence in sentences:
-                text_lines(context, layout, sentence, icon="ERROR")
-            layout.operator("stormfield.bring_caches", icon="FILE_REFRESH")
         file = attached_file(obj, LAMBDA)
         if file is not None and not file.exists():
             text_lines(context, layout, f"The λ cache is missing: {file.parent}. Solve again", icon="ERROR")
@@ -164,7 +157,6 @@ class STORMFIELD_PT_bake(FieldPanel, bpy.types.Panel):
             frames.prop(settings, "frame_end", text="End")
         layout.prop(settings, "folder")
         layout.operator("stormfield.use_baked_caches", icon="FILE_REFRESH")
-        layout.operator("stormfield.clean_caches", icon="TRASH")
 
 
 class STORMFIELD_PT_shading(FieldPanel, bpy.types.Panel):
@@ -179,7 +171,7 @@ class STORMFIELD_PT_shading(FieldPanel, bpy.types.Panel):
         layout.operator_menu_enum("stormfield.apply_material", "material", icon="MATERIAL")
         if material is not None:
             layout.label(text=material.name, icon="MATERIAL_DATA")
-        if find_modifier(obj, FRAMES) is None:
+        if FRAMES not in obj.modifiers:
             text_lines(context, layout, "Bake the flowing texture to see these materials move", icon="INFO")
 
 

@@ -314,3 +314,34 @@ def test_removing_the_field_removes_its_analysis(ball, show, markers):
     assert bpy.ops.stormfield.remove_field() == {"FINISHED"}
     assert [obj.name for obj in bpy.data.objects] == ["Ball"] and not bpy.data.node_groups
     assert not bpy.context.scene.timeline_markers
+
+
+def test_nodes_of_a_graph_that_were_deleted_or_copied_come_back(rings, native):
+    """X in the graph once took a saddle's node away as if the field had none."""
+    from stormfield.scene.nodes import entity_nodes
+
+    bpy.ops.stormfield.analyze()
+    tree = rings.stormfield.analysis.ecg_tree
+    before = {node.name: (node.entity, node.kind, tuple(node.location)) for node in tree.nodes}
+    links = {(link.from_node.name, link.to_node.name) for link in tree.links}
+    assert entity_nodes.is_whole(tree) and len(before) > 2
+    gone = next(iter(before))
+    tree.nodes.remove(tree.nodes[gone])
+    tree.nodes.new(entity_nodes.NODE).name = "copy"
+    assert not entity_nodes.is_whole(tree)
+    entity_nodes.make_whole(tree)
+    assert entity_nodes.is_whole(tree)
+    assert {node.name: (node.entity, node.kind, tuple(node.location)) for node in tree.nodes} == before
+    assert {(link.from_node.name, link.to_node.name) for link in tree.links} == links
+
+
+def test_blender_tells_the_graph_of_a_deleted_node(rings, native, monkeypatch):
+    from stormfield.ui import graph_editor
+
+    asked = []
+    monkeypatch.setattr(graph_editor, "_repair_soon", asked.append)
+    bpy.ops.stormfield.analyze()
+    assert not asked  # making the graph is no damage
+    tree = rings.stormfield.analysis.ecg_tree
+    tree.nodes.remove(tree.nodes[0])
+    assert tree.session_uid in asked

@@ -270,3 +270,32 @@ def test_one_set_is_refined_by_itself(rings):
     before = {item.faces for i, item in enumerate(mcg.items) if i != mcg.active}
     assert bpy.ops.stormfield.refine_set() == {"FINISHED"}
     assert before <= {item.faces for item in mcg.items}  # the others are as they were
+
+
+@pytest.fixture
+def half_flowing(put_field):
+    """Two balls in one mesh, of which the second has no field."""
+    for x in (0.0, 4.0):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, location=(x, 0.0, 0.0))
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.join()
+    bpy.ops.object.transform_apply()
+    obj = bpy.context.object
+    bpy.ops.stormfield.add_field()
+
+    def vectors(places):
+        up = np.array([0.0, 0.0, 1.0])
+        swirl = np.cross(up, places) - places[:, 2:] * (up - places * places[:, 2:])
+        middle = places[:, 0].mean()
+        return np.where((places[:, 0] < middle)[:, None], swirl, 0.0)
+
+    put_field(obj, vectors)
+    return obj
+
+
+def test_a_part_without_a_field_is_in_no_list(half_flowing, native):
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert bpy.ops.stormfield.analyze() == {"FINISHED"}
+    analysis = half_flowing.stormfield.analysis
+    assert len(analysis.ecg.items) == len(analysis.ecg_tree.nodes) < 6
+    assert not [item for item in analysis.ecg.items if item.kind == "degenerate"]

@@ -220,7 +220,7 @@ def test_a_temporary_cache_moves_beside_the_file(storms, native, attribute, tmp_
     blend = tmp_path / "Zwei Stürme.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     assert storms.modifiers[0].cache_file.filepath.startswith("//stormfield_cache/Ball/lambda-")
-    assert temporary.exists()  # undo goes back to it
+    assert not temporary.exists()
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     assert np.array_equal(attribute(bpy.data.objects["Ball"], "sf_advection"), before)
 
@@ -319,15 +319,48 @@ def test_presets_of_the_addon_set_the_settings(ball):
         ball.path_resolve(f"stormfield.{value}")
 
 
-def test_what_was_tried_is_deleted_but_never_the_one_that_is_shown(storms, native):
+def test_old_caches_are_deleted_but_never_the_one_that_is_shown(storms, native):
     from stormfield.scene.read.attached import LAMBDA, attached_folder
-    from stormfield.session import made_caches
+    from stormfield.scene.write import cache_folders
 
     shown = []
-    for number in range(made_caches.KEPT + 3):
+    for number in range(cache_folders.KEPT + 3):
         storms.stormfield.elements[0].radius = 0.3 + 0.02 * number
         bpy.ops.stormfield.solve()
         shown.append(attached_folder(storms, LAMBDA))
     assert shown[-1].is_dir()
     kept = {path for path in shown[-1].parent.iterdir() if path.name.startswith("lambda-")}
-    assert kept == set(shown[-1 - made_caches.KEPT :])
+    assert kept == set(shown[-1 - cache_folders.KEPT :])
+
+
+@pytest.fixture
+def stroke():
+    """Draws a stroke over the front of the ball, as the Draw tool does, on the curve that is being edited."""
+
+    def draw():
+        base = {"name": "", "mouse": (0, 0), "mouse_event": (0, 0), "pressure": 1, "size": 0, "time": 0, "x_tilt": 0}
+        places = [(x, -((1 - x * x) ** 0.5), 0.0) for x in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)]
+        points = [base | {"y_tilt": 0, "is_start": x == 0, "location": (x, y, z)} for x, y, z in places]
+        assert bpy.ops.curve.draw(stroke=points) == {"FINISHED"}
+
+    return draw
+
+
+def test_solve_takes_what_was_just_drawn_and_is_still_edited(ball, native, stroke):
+    """The curve in plain sight counts, also before Tab or Finish Drawing."""
+    bpy.ops.stormfield.draw_element(type="streamline")
+    stroke()
+    assert bpy.context.mode == "EDIT_CURVE"
+    ball.stormfield.solve.samples = 2
+    assert bpy.ops.stormfield.solve() == {"FINISHED"}
+    assert bpy.context.mode == "EDIT_CURVE"  # the artist may draw on
+
+
+def test_solve_takes_every_stroke_of_an_edited_curve(ball, native, stroke):
+    from stormfield.scene.read.design import read_design
+
+    bpy.ops.stormfield.draw_element(type="streamline")
+    for strokes in (1, 2):
+        stroke()
+        _, design = read_design(bpy.context, ball)
+        assert len(design.elements) == strokes

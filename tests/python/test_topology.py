@@ -9,6 +9,7 @@ import pytest
 import stormfield_native as native
 from data_sets import data_set
 from stormfield.analysis.ecg import entity_graph, topology_json
+from stormfield.analysis.no_field import region_without_field, with_field
 from stormfield.cli import main
 
 
@@ -75,7 +76,8 @@ def test_links_follow_the_flow():
     x, y = vertices[:, 0], vertices[:, 1]
     # Two sinks, a saddle between, everything comes from the boundary.
     vectors = np.stack([0.25 * x - x**3, -y, 0 * x], 1) + 1e-3
-    topology = native.start_topology(native.VectorField.from_space(mesh, vectors)).result()
+    found = native.start_topology(native.VectorField.from_space(mesh, vectors)).result()
+    topology = with_field(found, region_without_field(mesh, vectors))
     graph = entity_graph(topology)
     assert sorted(entity.kind for entity in graph.entities) == ["saddle", "sink", "sink"]
     assert len(graph.links) == 2
@@ -136,7 +138,7 @@ def test_command_line(tmp_path):
         assert key in content
     assert content["index_sum"] + content["boundary_index_sum"] == content["mesh"]["euler_characteristic"]
     assert sorted(orbit["kind"] for orbit in content["periodic_orbits"]) == ["attracting", "repelling"]
-    assert content["zero_regions"] == {"faces": 0, "vertices": 1}
+    assert content["zero_regions"] == {"faces": 0, "vertices": 1, "parts": 0}
     assert len(content["links"]) == 2
 
 
@@ -146,7 +148,7 @@ def test_command_line_reports_fields_of_zeros(tmp_path):
     out = tmp_path / "out.json"
     assert main(["analyze", str(tmp_path / "zero.ply"), "--vector", "nx,ny,nz", "--json", str(out)]) == 0
     content = json.loads(out.read_text())
-    assert content["zero_regions"] == {"faces": 128, "vertices": 81}
+    assert content["zero_regions"] == {"faces": 128, "vertices": 81, "parts": 1}
     assert content["periodic_orbits"] == []
 
 
@@ -157,3 +159,86 @@ def test_command_line_on_the_gas_engine(tmp_path):
     assert content["index_sum"] == content["mesh"]["euler_characteristic"] == 2
     assert all(s["end"]["kind"] != "none" for s in content["separatrices"])
     assert len(content["periodic_orbits"]) >= 3
+
+
+# Parts without a field ------------------------------------------------------------------------------------------------
+
+
+def two_parts(cells: int = 30) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Two squares; on the second, which comes first in the mesh, there is no field. On the other, two sinks and the
+    saddle between them."""
+    vertices, triangles = square(cells, 1.0)
+    x, y = vertices[:, 0], vertices[:, 1]
+    vectors = np.stack([0.25 * x - x**3, -y, 0 * x], 1) + 1e-3
+    both = np.concatenate([vertices + np.array([5.0, 0.0, 0.0]), vertices])
+    return both, np.concatenate([triangles, triangles + len(vertices)]), np.concatenate([0 * vectors, vectors])
+
+
+def test_a_part_without_a_field_has_no_entities_and_is_reported():
+    vertices, triangles, vectors = two_parts()
+    mesh = native.TriangleMesh(vertices, triangles)
+    everything = native.start_topology(native.VectorField.from_space(mesh, vectors)).result()
+    assert len(everything.fixed_points) > 3  # what the core says of zeros
+    region = region_without_field(mesh, vectors)
+    assert (region.faces.sum(), region.parts) == (len(triangles) // 2, 1)
+    assert "1 whole part" in region.note
+    found = with_field(everything, region)
+    graph = entity_graph(found)
+    assert sorted(entity.kind for entity in graph.entities) == ["saddle", "sink", "sink"]
+    assert [entity.name for entity in graph.entities if entity.kind == "saddle"] == ["S1"]
+    alone = native.TriangleMesh(vertices[len(vertices) // 2 :], triangles[: len(triangles) // 2])
+    single = native.start_topology(native.VectorField.from_space(alone, vectors[len(vertices) // 2 :])).result()
+    content = topology_json(found, graph)
+    assert content["index_sum"] == sum(point.index for point in single.fixed_points)
+    assert len(content["links"]) == len(single.links) == 2
+    assert len(content["separatrices"]) == len(single.separatrices)
+    for link in content["links"]:  # numbers fit what is left
+        assert content["separatrices"][link["separatrices"][0]]["saddle"] == link["source"]
+
+
+def test_a_region_without_a_field_in_a_part_has_none_either():
+    vertices, triangles = square(40, 1.0)
+    mesh = native.TriangleMesh(vertices, triangles)
+    vectors = np.stack([1.0 + 0 * vertices[:, 0], 0.3 * np.sin(4 * vertices[:, 1]), 0 * vertices[:, 0]], 1)
+    vectors[np.linalg.norm(vertices[:, :2], axis=1) < 0.4] = 0.0
+    region = region_without_field(mesh, vectors)
+    found = with_field(native.start_topology(native.VectorField.from_space(mesh, vectors)).result(), region)
+    assert region.parts == 0 and region.faces.sum() > 100
+    assert not [p for p in found.fixed_points if np.linalg.norm(p.position) < 0.35]
+
+
+def test_a_zero_at_one_vertex_stays_a_fixed_point():
+    vertices, triangles = square(20, 1.0)
+    mesh = native.TriangleMesh(vertices, triangles)
+    vectors = vertices * (1.0, 1.0, 0.0)  # exactly zero at the middle vertex
+    assert (vectors == 0.0).all(axis=1).sum() == 1
+    region = region_without_field(mesh, vectors)
+    assert region.note == ""
+    found = with_field(native.start_topology(native.VectorField.from_space(mesh, vectors)).result(), region)
+    assert [point.kind for point in found.fixed_points] == ["source"]
+
+
+def test_paths_of_a_part_without_a_field_are_left_out():
+    from stormfield.analysis import tracking
+
+    vertices, triangles, vectors = two_parts(12)
+    mesh = native.TriangleMesh(vertices, triangles)
+    samples = np.array([native.VectorField.from_space(mesh, f * vectors).values for f in (1.0, 1.1, 1.2)])
+    field = native.ParameterizedField(mesh, np.array([0.0, 0.5, 1.0]), samples)
+    found = tracking.from_native(native.start_tracking(field).result(), region=region_without_field(mesh, samples))
+    assert sorted(path.kind for path in found.paths) == ["saddle", "sink", "sink"]
+    assert [path.id for path in found.paths] == [0, 1, 2]
+    assert all(path.positions[:, 0].max() < 2.0 for path in found.paths)
+
+
+def test_the_command_line_reports_a_region_without_a_field(tmp_path, capsys):
+    import meshio
+
+    vertices, triangles, vectors = two_parts(12)
+    file = tmp_path / "parts.vtk"
+    meshio.Mesh(vertices, [("triangle", triangles)], point_data={"wind": vectors}).write(file)
+    assert main(["analyze", str(file), "--vector", "wind", "--json", str(tmp_path / "out.json")]) == 0
+    content = json.loads((tmp_path / "out.json").read_text())
+    assert sorted(point["kind"] for point in content["fixed_points"]) == ["saddle", "sink", "sink"]
+    assert content["zero_regions"] == {"faces": len(triangles) // 2, "vertices": len(vertices) // 2, "parts": 1}
+    assert "have no field" in capsys.readouterr().err

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ...analysis.colours import KIND_COLOURS
-from ...analysis.entities import Entity, EntityGraph
+from ...analysis.entities import EntityGraph
 from ...analysis.layout import layout
 
 TREE, NODE = "StormfieldGraph", "StormfieldEntity"
@@ -32,30 +32,54 @@ def show_graph(obj: bpy.types.Object, which: str, graph: EntityGraph) -> bpy.typ
     tree: Any = tree_of(obj, which) or bpy.data.node_groups.new(f"{obj.name} {which.upper()}", TREE)
     setattr(obj.stormfield.analysis, f"{which}_tree", tree)
     tree.owner, tree.which, tree.title = obj, which, graph.title
+    tree.whole = False
     tree.nodes.clear()
     tree.routes.clear()
+    tree.places.clear()
     scale = np.array([STEP, max(ROW, SLANT * STEP * drawn.width)])
     tree.row = scale[1]
-    nodes = [
-        _new_node(tree, entity, place) for entity, place in zip(graph.entities, drawn.positions * scale, strict=True)
-    ]
+    for entity, place in zip(graph.entities, drawn.positions * scale, strict=True):
+        known = tree.places.add()
+        known.name, known.kind, known.place = entity.name, entity.kind, place
     for link, route in zip(graph.links, drawn.routes, strict=True):
-        tree.links.new(nodes[link.target].inputs[0], nodes[link.source].outputs[0])
         item = tree.routes.add()
-        item.source, item.target = nodes[link.source].name, nodes[link.target].name
+        item.source, item.target = graph.entities[link.source].name, graph.entities[link.target].name
         if len(route) == 3:
             item.bends, item.bend = True, route[1] * scale
+    make_whole(tree)
     return tree
 
 
-def _new_node(tree: bpy.types.NodeTree, entity: Entity, place: np.ndarray) -> bpy.types.Node:
+def is_whole(tree: bpy.types.NodeTree) -> bool:
+    """Whether each entity has its node and there are no others, as is so until an artist deletes or copies nodes."""
+    return {node.name for node in tree.nodes} == set(tree.places.keys())
+
+
+def make_whole(tree: bpy.types.NodeTree) -> None:
+    """One node for each entity, and the links: what is there stays, what is missing comes back, copies go.
+
+    Nodes say what the field does. Deleting one would change nothing but what is seen."""
+    tree.whole = False  # while it is worked on
+    for node in [node for node in tree.nodes if node.name not in tree.places]:
+        tree.nodes.remove(node)
+    for entity, known in enumerate(tree.places):
+        if known.name not in tree.nodes:
+            _new_node(tree, entity, known)
+    linked = {(link.from_node.name, link.to_node.name) for link in tree.links}
+    for route in tree.routes:
+        if (route.source, route.target) not in linked:
+            tree.links.new(tree.nodes[route.target].inputs[0], tree.nodes[route.source].outputs[0])
+    tree.whole = True
+
+
+def _new_node(tree: bpy.types.NodeTree, entity: int, known) -> bpy.types.Node:
     node = tree.nodes.new(NODE)
-    node.name, node.entity, node.kind = entity.name, entity.id, entity.kind
-    node.label = entity.name
+    node.name, node.entity, node.kind = known.name, entity, known.kind
+    node.label = known.name
     node.width = WIDTH
     node.hide = True  # collapsed: it shows the entity's name alone
-    node.location = (place - (0.5 * WIDTH, 0.0)).tolist()
-    node.use_custom_color, node.color = True, KIND_COLOURS.get(entity.kind, KIND_COLOURS["other"])
+    node.location = (known.place[0] - 0.5 * WIDTH, known.place[1])
+    node.use_custom_color, node.color = True, KIND_COLOURS.get(known.kind, KIND_COLOURS["other"])
     node.select = False
     return node
 

@@ -14,7 +14,7 @@ import numpy as np
 from ...cache.field_cache import FieldCache, open_cache
 from ...model.errors import InputError
 from ...model.mesh_data import MeshData
-from .attached import LAMBDA, TURN, attached_folder, find_modifier
+from .attached import LAMBDA, TURN, attached_folder
 from .mesh import read_mesh
 
 
@@ -40,9 +40,7 @@ def read_current(context: bpy.types.Context, obj: bpy.types.Object) -> CurrentFi
     attribute, mesh = obj.stormfield.look.shown_field, read_mesh(obj)
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     lam = evaluated.stormfield.lam
-    turned = (
-        find_modifier(obj, TURN) is not None
-    )  # the evaluated vectors lie on the surface that is seen, not on the own mesh
+    turned = TURN in obj.modifiers  # the evaluated vectors lie on the surface that is seen, not on the own mesh
     for carrier in (obj.data,) if turned else (evaluated.data, obj.data):
         found = carrier.attributes.get(attribute)
         fits = len(carrier.vertices) == len(mesh.vertices)

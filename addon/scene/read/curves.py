@@ -4,7 +4,7 @@
 Blender itself evaluates Bezier, NURBS and modifiers; here only its points are put in order.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import bpy
 import numpy as np
@@ -13,8 +13,6 @@ from mathutils import Matrix
 
 def read_polylines(source: bpy.types.Object, depsgraph: bpy.types.Depsgraph, to_mesh: Matrix) -> list[np.ndarray]:
     """One (n, 3) float64 array per spline, stroke or chain of edges; `to_mesh` takes world space to the mesh's."""
-    if source.mode == "EDIT":
-        source.update_from_editmode()
     evaluated = source.evaluated_get(depsgraph)
     matrix = np.array(to_mesh @ evaluated.matrix_world)
     readers = {
@@ -23,6 +21,13 @@ def read_polylines(source: bpy.types.Object, depsgraph: bpy.types.Depsgraph, to_
     }  # fmt: skip
     lines = (np.asarray(line, dtype=np.float64) for line in readers[source.type](evaluated, depsgraph))
     return [line @ matrix[:3, :3].T + matrix[:3, 3] for line in lines if len(line) > 0]
+
+
+def take_over_edits(sources: Iterable[bpy.types.Object]) -> None:
+    """Bring what was drawn in Edit Mode, which is still on, into the data that is evaluated."""
+    for source in sources:
+        if source.mode == "EDIT":
+            source.update_from_editmode()
 
 
 def _legacy_curve(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> list[np.ndarray]:
