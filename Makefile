@@ -27,23 +27,28 @@ all: build/.installed
 
 build/.packages: scripts/debian_packages.sh
 	@mkdir -p build
-	scripts/debian_packages.sh
+	@scripts/debian_packages.sh
+	@touch $@
+
+build/.packages-clang: build/.packages
+	@scripts/debian_packages.sh clang-19
 	@touch $@
 
 build/.environments: build/.packages scripts/environments.sh pyproject.toml
-	scripts/environments.sh create
+	@scripts/environments.sh create >/dev/null
 	@touch $@
 
 build/.core: build/.packages $(core_sources)
-	cmake --preset release
-	cmake --build --preset release -j $(JOBS) --target core
+	@scripts/step.sh configure "looking for compiler and libraries" cmake --preset release
+	@scripts/step.sh --live core "compiling the core: about four minutes on two cores the first time" \
+	  cmake --build --preset release -j $(JOBS) --target core
 	@touch $@
 
 # The core is compiled once, for its tests too; only the bindings are compiled for each Python.
 build/.installed: build/.core build/.environments $(addon_sources) pyproject.toml README.md
 	@set -e; for environment in $(ENVIRONMENTS); do \
-	  echo "installing stormfield into $$environment"; \
-	  $$environment/bin/python -m pip install --quiet --no-deps --no-build-isolation --force-reinstall \
+	  scripts/step.sh install$$environment "compiling Stormfield's Python module for $$environment: half a minute" \
+	  $$environment/bin/python -m pip install --no-deps --no-build-isolation --force-reinstall \
 	    -C cmake.define.STORMFIELD_CORE_DIR=$(CURDIR)/build/release . ; \
 	done
 	@mkdir -p build/stubs
@@ -51,9 +56,10 @@ build/.installed: build/.core build/.environments $(addon_sources) pyproject.tom
 	@touch $@
 
 zip: build/.environments
-	$(PYTHON) scripts/build_wheels.py --output out/wheels >/dev/null
+	@scripts/step.sh wheels "compiling for the Python of every Blender: ten minutes the first time, seconds later" \
+	  $(PYTHON) scripts/build_wheels.py --output out/wheels
 	@$(PYTHON) scripts/build_extension.py --output out
-	@echo "install it in Blender: Edit, Preferences, Get Extensions, Install from Disk"
+	@echo "Install it in Blender: Edit, Preferences, Get Extensions, the arrow at the upper right, Install from Disk"
 
 demo: all
 	$(PYTHON) blend_examples/demo.py
@@ -64,6 +70,8 @@ test: lint test-native test-python docs
 # sanitizers; ccache shares what the first two have in common.
 NATIVE_BUILDS := release baseline clang asan
 test-native: $(addprefix test-native-,$(NATIVE_BUILDS)) test-results test-odr
+
+test-native-clang: build/.packages-clang
 
 test-native-%: build/.packages
 	cmake --preset $*
