@@ -109,11 +109,7 @@ test-python: all
 test-python-in-%:
 	@echo "tests under $*"; $*/bin/python -m pytest tests
 
-build/.bench: build/.environments pyproject.toml
-	$(PYTHON) -m pip install --quiet $(call extra,bench)
-	@touch $@
-
-bench: all build/.bench
+bench: all
 	cmake --preset release
 	cmake --build --preset release -j $(JOBS) --target bench_native
 	build/release/tests/native/bench_native

@@ -16,18 +16,18 @@ import click
 
 from ..model.errors import InputError
 from ..model.words import Json
-from ..readers import Choice
+from ..readers import Choice, FieldData, read_field
 from .blender import load_core
-from .output import Phases, describe_mesh, field_argument, write_result
+from .output import Phases, describe_mesh, field_argument, surface_of, write_result
+
+Read = Callable[[str, Choice], FieldData]
 
 
 class FieldInput:
     """FIELD as its command gets it. Raises InputError before anything long begins where the picture cannot be made."""
 
-    def __init__(self, field: str, choice: Choice, out: str, image: str | None) -> None:
-        from .. import native
+    def __init__(self, field: str, read: Read, choice: Choice, out: str, image: str | None) -> None:
         from ..figures.image import check as check_image
-        from ..readers import read_field
 
         if image is not None:
             check_image(image)
@@ -35,9 +35,9 @@ class FieldInput:
         self._out, self._image = out, image
         load_core()
         with self.phases("read"):
-            self.data = read_field(field, choice)
+            self.data = read(field, choice)
         with self.phases("mesh"):
-            self.mesh = native.TriangleMesh(self.data.mesh.vertices, self.data.mesh.triangles)
+            self.mesh = surface_of(self.data.mesh, field)
 
     def note(self, text: str) -> None:
         """What the user should know although nothing is wrong, on standard error; nothing where it is empty."""
@@ -56,14 +56,14 @@ class FieldInput:
         write_result(self._out, schema, self.data.read, {"mesh": describe_mesh(self.mesh), **content, "seconds": spent})
 
 
-def field_command(picture: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """FIELD, the options that choose of it, --json and --image, which shows `picture`. The command gets one FieldInput
-    for them, and its own options."""
+def field_command(picture: str, read: Read = read_field) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """FIELD, which `read` reads, the options that choose of it, --json and --image, which shows `picture`. The command
+    gets one FieldInput for them, and its own options."""
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @functools.wraps(command)
         def opened(field: str, choice: Choice, out: str, image: str | None, **options: object) -> None:
-            command(FieldInput(field, choice, out, image), **options)
+            command(FieldInput(field, read, choice, out, image), **options)
 
         for option in (
             click.option("--image", help=f"{picture}: .png, .pdf or .svg."),

@@ -11,6 +11,7 @@ from ..version import VERSION
 def cli() -> None:
     """Vector fields on surfaces that change over time.
 
-    FIELD is a .t or .ply data set, a baked cache folder, any point data that meshio reads, or wind on a
-    latitude-longitude grid (.npz, NetCDF), which is put onto a sphere.
+    FIELD is a .t data set, a surface with vectors at points or cells in any format of VTK or meshio, a series of them
+    (.pvd, XDMF, a folder, "wall_*.vtp"), a baked cache folder, or wind on a latitude-longitude grid (.npz, NetCDF),
+    which is put onto a sphere.
     """

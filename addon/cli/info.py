@@ -15,7 +15,7 @@ import numpy as np
 from ..readers import Choice
 from .blender import load_core
 from .group import cli
-from .output import Phases, describe_mesh, field_argument, write_json, write_result
+from .output import Phases, describe_mesh, field_argument, surface_of, write_json, write_result
 from .scene_file import fields_of, open_scene
 
 if TYPE_CHECKING:
@@ -38,7 +38,6 @@ def info(register: Callable[[], None] | None, field: str, choice: Choice, out: s
     if Path(field).suffix.lower() == ".blend":
         _describe_scene(field, register, out)
         return
-    from .. import native
     from ..readers import NoFieldError, read_field, read_mesh
 
     phases = Phases()
@@ -50,7 +49,7 @@ def info(register: Callable[[], None] | None, field: str, choice: Choice, out: s
         except NoFieldError:  # a mesh alone is worth describing too
             (surface, read), lambdas = read_mesh(field), np.zeros(0)
     with phases("mesh"):
-        mesh = native.TriangleMesh(surface.vertices, surface.triangles)
+        mesh = surface_of(surface, field)
     write_result(
         out,
         "stormfield.info/1",

@@ -15,6 +15,7 @@ import click
 
 from .. import native
 from ..model.errors import InputError
+from ..model.mesh_data import MeshData
 from ..model.words import Json
 from ..readers import Choice, Reading
 
@@ -52,6 +53,14 @@ class Phases:
             yield
         finally:
             self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - began
+
+
+def surface_of(data: MeshData, name: str) -> native.TriangleMesh:
+    """The native mesh. Raises InputError that names the file beside the element."""
+    try:
+        return native.TriangleMesh(data.vertices, data.triangles)
+    except InputError as fault:
+        raise InputError(f"{name}: {fault}") from fault
 
 
 def describe_mesh(mesh: native.TriangleMesh) -> dict[str, int]:

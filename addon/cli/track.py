@@ -6,6 +6,7 @@ import numpy as np
 
 from ..analysis.tracking import MIN_LIFE
 from ..model.errors import InputError
+from ..readers import read_series
 from .field_input import FieldInput, field_command
 from .group import cli
 from .progress import progress
@@ -18,7 +19,7 @@ def _not_negative(_context: click.Context, parameter: click.Parameter, least: fl
 
 
 @cli.command()
-@field_command("Picture of the paths and their life spans")
+@field_command("Picture of the paths and their life spans", read_series)
 @click.option(
     "--min-life",
     type=float,

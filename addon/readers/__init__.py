@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Data sets → mesh and field, by the ending of the file: read_field() and read_mesh().
+"""Data sets → mesh and field, by the ending of the file: read_field(), read_series() and read_mesh().
 
-    .t                the format of the thesis's data: faces vertices, triangles, positions, vectors
-    folder            a baked λ cache
-    .npz .nc .nc4 .h5 wind on a latitude-longitude grid, put onto a sphere
-    anything else     what meshio reads (.ply, .vtk, .vtu, .obj, ...), vectors from its point data
+    .t                     the format of the thesis's data: faces vertices, triangles, positions, vectors
+    cache folder           a baked λ cache
+    .npz .nc .nc4 .h5      wind on a latitude-longitude grid, put onto a sphere
+    anything else          a surface with vectors at points or cells, as VTK or meshio read it, at one or more times
 
 Faults of the data are InputError naming file, place and cure. No bpy, no native module.
 """
 
 from pathlib import Path
 
-from ..cache.layout import OLD_STAGE, STAGE
+from ..cache.layout import MANIFEST, OLD_STAGE, PLAN, STAGE
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from .choice import Choice
@@ -24,47 +24,77 @@ SPHERE_FACES = 20480
 
 
 def read_field(path: str | Path, choice: Choice | None = None) -> FieldData:
-    """The field of any of the files above. choice: what of it, where it offers more than one."""
-    path, choice = _existing(path), choice or Choice()
-    ending = path.suffix.lower()
-    if _is_cache(path):
-        from .cache_folder import read_cache
+    """The field of any of the files above, over all times that the file, folder or pattern (wall_*.vtp) holds. choice:
+    what of it, where it offers more than one."""
+    path, choice = Path(path), choice or Choice()
+    other = _not_a_surface(path, choice)
+    if other is not None:
+        return other
+    from .surface_field import surface_field
+    from .surface_files import surface_steps
 
-        return read_cache(path, choice.attribute)
-    if ending in GRIDS:
-        from .wind import read_wind
+    return surface_field(surface_steps(path), choice)
 
-        return read_wind(path, SPHERE_FACES if choice.sphere_faces is None else choice.sphere_faces)
-    if ending == ".t":
-        from .t_file import read_t
 
-        return read_t(path)
-    from .point_data import read_point_data
+def read_series(path: str | Path, choice: Choice | None = None) -> FieldData:
+    """The same, and of one of several numbered files all of them."""
+    path, choice = Path(path), choice or Choice()
+    other = _not_a_surface(path, choice)
+    if other is not None:
+        return other
+    from .surface_field import surface_field
+    from .surface_files import numbered_steps
 
-    return read_point_data(path, choice.vector)
+    return surface_field(numbered_steps(path), choice)
 
 
 def read_mesh(path: str | Path) -> tuple[MeshData, Reading]:
     """The mesh of any of the files above, whether it carries a field or not, and what there is to choose."""
-    path = _existing(path)
-    if _is_cache(path) or path.suffix.lower() in {".t", *GRIDS}:
-        data = read_field(path)
-        return data.mesh, data.read
-    from .point_data import choices, read_surface
-
-    mesh, carried = read_surface(path)
-    return mesh, Reading((str(path),), choices=choices(carried))
-
-
-def _is_cache(path: Path) -> bool:
-    return path.is_dir() or path.name in (STAGE, OLD_STAGE)
-
-
-def _existing(path: str | Path) -> Path:
+from ..cache.layout import MANIFEST, OLD_STAGE, PLAN, STAGE
     path = Path(path)
-    if not path.exists():
+    other = _not_a_surface(path, Choice())
+    if other is not None:
+        return other.mesh, other.read
+    from .surface_field import surface_mesh
+    from .surface_files import surface_steps
+
+    return surface_mesh(surface_steps(path))
+
+
+def _not_a_surface(path: Path, choice: Choice) -> FieldData | None:
+    """Caches, .t files and grids; None for surfaces of other programs."""
+    ending = path.suffix.lower()
+    if not path.exists() and not is_pattern(path):
         raise InputError(f"{path}: no such file or folder; check the name")
-    return path
+    if path.name in (STAGE, OLD_STAGE) or (path / MANIFEST).exists() or (path / PLAN).exists():
+        from .cache_folder import read_cache
+
+        return read_cache(path, choice.attribute)
+    if ending == ".t":
+        from .t_file import read_t
+
+        return read_t(path)
+    if ending in GRIDS:
+        from .wind import read_wind
+
+        return read_wind(path, SPHERE_FACES if choice.sphere_faces is None else choice.sphere_faces)
+    return None
 
 
-__all__ = ["SPHERE_FACES", "ArrayInfo", "Choice", "FieldData", "NoFieldError", "Reading", "read_field", "read_mesh"]
+def is_pattern(path: Path) -> bool:
+    """Whether this names several files: wall_*.vtp"""
+    return not path.exists() and any(letter in path.name for letter in "*?[")
+
+
+__all__ = [
+    "SPHERE_FACES",
+    "ArrayInfo",
+    "Choice",
+    "FieldData",
+    "NoFieldError",
+    "Reading",
+    "is_pattern",
+    "read_field",
+    "read_mesh",
+    "read_series",
+]

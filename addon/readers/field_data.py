@@ -9,6 +9,9 @@ from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from .reading import Reading
 
+#: Squares and determinants of numbers up to this stay finite, and those of its inverse are not zero.
+LARGEST = 1e60
+
 
 class NoFieldError(InputError):
     """The file is a mesh, but nothing says which of its data is the field."""
@@ -25,12 +28,15 @@ class FieldData:
     read: Reading = field(default_factory=Reading)
 
     def __post_init__(self) -> None:
-        wanted = (len(self.lambdas), len(self.mesh.vertices), 3)
+        wanted, where = (len(self.lambdas), len(self.mesh.vertices), 3), self.read.name()
         if self.vectors.shape != wanted:
-            raise InputError(f"the field has shape {self.vectors.shape} on a mesh that needs {wanted}")
-        bad = np.argwhere(~np.isfinite(self.vectors).all(axis=2))
+            raise InputError(f"{where}the field has shape {self.vectors.shape} on a mesh that needs {wanted}")
+        bad = np.unique(np.argwhere(~np.isfinite(self.vectors).all(axis=2))[:, 1])
         if len(bad):
-            raise InputError(f"the vector of vertex {bad[0][1]} is not finite; repair or remove it")
+            others = f", nor are those of {len(bad) - 1} others" if len(bad) > 1 else ""
+            raise InputError(f"{where}the vector of vertex {bad[0]} is not finite{others}; repair or remove it")
+        check_numbers(where, "mesh", self.mesh.vertices)
+        check_numbers(where, "field", self.vectors)
 
     def at(self, lam: float) -> np.ndarray:
         """(n, 3) at λ, linear between samples, constant outside."""
@@ -39,6 +45,19 @@ class FieldData:
             return self.vectors[j]
         weight = (lam - self.lambdas[j]) / (self.lambdas[j + 1] - self.lambdas[j])
         return (1.0 - weight) * self.vectors[j] + weight * self.vectors[j + 1]
+
+
+def check_numbers(where: str, what: str, numbers: np.ndarray) -> None:
+    """Raises InputError where the finite numbers of a mesh or field are all zero, too large or too small to compute
+    with. where: the beginning of the message, file and colon."""
+    largest = float(np.abs(numbers).max(initial=0.0))
+    if largest == 0.0:
+        raise InputError(f"{where}the {what} is zero everywhere; nothing can be found in it")
+    if not 1.0 / LARGEST < largest < LARGEST:
+        raise InputError(
+            f"{where}the largest number of the {what} is {largest:.3g}, which cannot be computed with; "
+            "choose another unit, or repair it"
+        )
 
 
 def steady(mesh: MeshData, vectors: np.ndarray, read: Reading | None = None) -> FieldData:

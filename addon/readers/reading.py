@@ -58,6 +58,10 @@ class Reading:
             parts.append(f"tangent share {self.tangent_share:.3g}")
         return f"{_listed(self.files)}: {'; '.join([*parts, *self.notes])}"
 
+    def name(self) -> str:
+        """The files as the beginning of a message."""
+        return f"{_listed(self.files)}: " if self.files else ""
+
     def to_json(self) -> dict[str, Json]:
         """The key "read" of every JSON."""
         return {

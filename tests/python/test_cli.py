@@ -65,7 +65,8 @@ def test_info(capsys, sphere):
     status, out, err = run(capsys, "info", sphere)
     content = json.loads(out)
     assert status == 0 and err == (
-        f"read: {sphere}: nx (points, 1 component), ny (points, 1 component), nz (points, 1 component)\n"
+        f"read: {sphere}: nx (points, 1 component), ny (points, 1 component), nz (points, 1 component); "
+        "tangent share 1\n"
     )
     assert content["schema"] == "stormfield.info/1"
     assert content["read"]["files"] == [str(sphere)]
