@@ -50,7 +50,6 @@ def read_series(path: str | Path, choice: Choice | None = None) -> FieldData:
 
 def read_mesh(path: str | Path) -> tuple[MeshData, Reading]:
     """The mesh of any of the files above, whether it carries a field or not, and what there is to choose."""
-from ..cache.layout import MANIFEST, OLD_STAGE, PLAN, STAGE
     path = Path(path)
     other = _not_a_surface(path, Choice())
     if other is not None:

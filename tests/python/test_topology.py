@@ -142,14 +142,15 @@ def test_command_line(tmp_path):
     assert len(content["links"]) == 2
 
 
-def test_command_line_reports_fields_of_zeros(tmp_path):
+def test_command_line_reports_zeros_and_refuses_a_field_of_nothing_else(tmp_path):
     vertices, triangles = square(8, 1.0)
-    write_ply(tmp_path / "zero.ply", vertices, triangles, 0 * vertices)
+    vectors = np.where(vertices[:, [0]] > 0.9, [1.0, 0.0, 0.0], 0.0)
+    write_ply(tmp_path / "some.ply", vertices, triangles, vectors)
     out = tmp_path / "out.json"
-    assert main(["analyze", str(tmp_path / "zero.ply"), "--vector", "nx,ny,nz", "--json", str(out)]) == 0
-    content = json.loads(out.read_text())
-    assert content["zero_regions"] == {"faces": 128, "vertices": 81, "parts": 1}
-    assert content["periodic_orbits"] == []
+    assert main(["analyze", str(tmp_path / "some.ply"), "--vector", "nx,ny,nz", "--json", str(out)]) == 0
+    assert json.loads(out.read_text())["zero_regions"]["vertices"] == int((vectors == 0).all(axis=1).sum()) > 0
+    write_ply(tmp_path / "zero.ply", vertices, triangles, 0 * vertices)
+    assert main(["analyze", str(tmp_path / "zero.ply"), "--vector", "nx,ny,nz", "--json", str(out)]) == 2
 
 
 def test_command_line_on_the_gas_engine(tmp_path):
