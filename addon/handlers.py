@@ -5,7 +5,16 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .scene.write import cache_folders, mirror
-from .session import found_caches, freshness, mesh_edits, morse_preview, morse_state, running, solver_state
+from .session import (
+    found_caches,
+    freshness,
+    mesh_edits,
+    morse_preview,
+    morse_state,
+    running,
+    solver_state,
+    view_selection,
+)
 from .ui import overlay
 
 
@@ -69,6 +78,11 @@ def follow_surfaces(scene, *_):
 
 
 @persistent
+def follow_view(scene, *_):
+    view_selection.follow(scene)
+
+
+@persistent
 def preview_morse_sets(scene, *_):
     """Live previews follow λ; without a window none is drawn."""
     if bpy.app.background:
@@ -94,6 +108,7 @@ HANDLERS = (
     ("redo_post", follow_all_meshes),
     ("depsgraph_update_post", follow_mesh_edits),
     ("depsgraph_update_post", mark_changed),
+    ("depsgraph_update_post", follow_view),
     ("depsgraph_update_post", preview_morse_sets),
     ("frame_change_post", follow_surfaces),
     ("frame_change_post", preview_morse_sets),

@@ -19,6 +19,7 @@ from ..cache.field_cache import FieldCacheWriter, open_cache
 from ..cache.layout import MANIFEST
 from ..cache.plan import MeshIdentity, Plan
 from ..model.design import Design
+from ..model.meetings import joined
 from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
 from ..solve import SolverState, start_solve
@@ -47,8 +48,10 @@ def solve_steps(
     resume: samples that are there already, from the same design and mesh, are kept.
     state: while an artist edits, each solve starts from the last one. Its bytes then depend on the edits before, so
     such a cache says so in its settings and has a folder of its own; bake_steps solves it from zero before it bakes.
+    Ends of paths that nearly meet are joined, and a note says so.
     """
     design.check()
+    design, joins = joined(design)
     plan = lambda_plan(mesh, design)
     target = folder or Path(root) / plan.folder_name("lambda")
     if state is not None and state.holds(mesh) and not (target / MANIFEST).exists():
@@ -60,6 +63,8 @@ def solve_steps(
     writer = FieldCacheWriter(target, mesh, lambdas, plan.settings, polygons=polygons, resume=resume)
     missing = yield from unfinished(writer, range(len(lambdas)))
     if missing:
+        if joins:
+            yield Step(0.0, "Solving", notes=joins)
         solution = yield from result_of(start_solve(mesh, design, state), 0.0, "Solving", SOLVE_END)
         streams = native.start_stream_functions(solution.fields["advection"])
         stream = yield from result_of(streams, SOLVE_END, "Finding the stream functions", STREAM_END)
@@ -74,6 +79,7 @@ def solve_steps(
 
 def lambda_plan(mesh: MeshData, design: Design) -> Plan:
     """The plan of a design's λ cache that is solved from zero."""
+    design, _ = joined(design)
     settings = {"design": design.to_json(), "attributes": list(fields.ATTRIBUTES), "stormfield": VERSION}
     lambdas = np.linspace(0.0, 1.0, design.settings.samples).tolist()
     return Plan("usd", "lambda", tuple(lambdas), MeshIdentity.of(mesh), settings)

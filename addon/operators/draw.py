@@ -9,6 +9,14 @@ from ..scene.read.active_field import active_field
 from ..scene.write.elements import add_element
 from .shared import FieldOperator
 
+#: How far above the surface strokes are drawn, over the object's diagonal.
+ABOVE = 0.004
+
+
+def diagonal(obj: bpy.types.Object) -> float:
+    """In world space, as strokes are drawn."""
+    return sum(size**2 for size in obj.dimensions) ** 0.5
+
 
 class STORMFIELD_OT_draw_element(FieldOperator, bpy.types.Operator):
     """Draw on the surface: every stroke becomes a curve of one new element. Finish with Tab or Finish Drawing"""
@@ -38,7 +46,8 @@ class STORMFIELD_OT_draw_element(FieldOperator, bpy.types.Operator):
         paint = context.tool_settings.curve_paint_settings
         paint.depth_mode, paint.curve_type = "SURFACE", "BEZIER"
         paint.use_project_only_selected, paint.use_stroke_endpoints = True, False
-        paint.surface_offset, paint.radius_max = 0.0, 0.0
+        # Above the surface all along: a stroke becomes few points, and between them it would sink in.
+        paint.surface_offset, paint.error_threshold, paint.radius_max = ABOVE * diagonal(obj), 2, 0.0
         if context.area and context.area.type == "VIEW_3D":
             bpy.ops.wm.tool_set_by_id(name="builtin.draw")
         self.report({"INFO"}, f"Draw on '{obj.name}'; Tab when done")

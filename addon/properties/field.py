@@ -12,7 +12,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..scene.write import turning
+from ..scene.write import selection, turning
 from .analysis import AnalysisProperties
 from .bake import BakeProperties
 from .element import ElementProperties
@@ -28,6 +28,10 @@ SPEEDS = (
 
 def _set_speed(field, _context) -> None:
     turning.set_speed(field.id_data)
+
+
+def _element_chosen(self, _context) -> None:
+    selection.show_element(self.id_data)
 
 
 class FieldProperties(bpy.types.PropertyGroup):
@@ -56,7 +60,9 @@ class FieldProperties(bpy.types.PropertyGroup):
         update=_set_speed,
     )
     elements: CollectionProperty(type=ElementProperties)
-    active_element: IntProperty(name="Active Element", description="Index of the element shown below the list")
+    active_element: IntProperty(
+        name="Active Element", description="Index of the element shown below the list", update=_element_chosen
+    )
     solve: PointerProperty(type=SolveProperties)
     bake: PointerProperty(type=BakeProperties)
     look: PointerProperty(type=LookProperties)

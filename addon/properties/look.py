@@ -56,6 +56,12 @@ class LookProperties(bpy.types.PropertyGroup):
         description="Let a bright dash run along each stroke while the animation plays or the pointer is over the view",
         default=True,
     )
+    show_elements: BoolProperty(
+        name="Elements",
+        description="Draw the elements above the surface: paths with arrows of travel and ticks at every tenth of λ, "
+        "rings for the radius with a sign for the turning, and where paths meet",
+        default=True,
+    )
     show_fixed_points: BoolProperty(
         name="Fixed Points", description="Mark sources, sinks, saddles and centers at the current λ", default=True
     )

@@ -72,6 +72,11 @@ def why_out_of_date(obj: bpy.types.Object) -> str:
     return known.answer
 
 
+def elements_version(obj: bpy.types.Object) -> tuple:
+    """Changes whenever elements may have changed; cheap enough for every redraw."""
+    return _changes, _settings(obj)
+
+
 def _changes_since(obj: bpy.types.Object, before: dict[str, Json], known: _Known) -> list[str]:
     version = _mesh_version(obj.data)
     if version not in known.mesh:

@@ -15,7 +15,7 @@ from ..analysis.colours import KIND_COLOURS
 from ..scene.read import morse_faces, results
 from ..session import morse_preview
 from . import drawing_cache
-from .surface import LIFT, Surface, lifted
+from .surface import LIFT, Surface, lift
 
 #: Widths of lines over the artist's line width.
 WIDTHS = {results.SEPARATRICES: 1.0, results.ORBITS: 1.7, results.PATHS: 1.8}
@@ -213,15 +213,6 @@ def _marks(which: str, entities, shown: np.ndarray, surface: Surface, mesh) -> l
         lam = item.lam if item.kind in results.EVENT_KINDS else None
         marks.append(Mark(which, i, item.kind, item.name, place, normal, lam))
     return marks
-
-
-def lift(points: np.ndarray, surface: Surface, mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Points onto the surface as it is drawn, and LIFT object sizes above it; and the normals there, both (k, 3)."""
-    points = np.asarray(points, np.float64)
-    if mesh is None or not len(points):
-        return points, np.tile((0.0, 0.0, 1.0), (len(points), 1))
-    faces, barycentric, _ = mesh.closest_points(points)
-    return lifted(surface, faces, barycentric, np.asarray(mesh.positions(faces, barycentric)))
 
 
 # Morse sets -----------------------------------------------------------------------------------------------------------

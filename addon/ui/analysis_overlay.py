@@ -4,7 +4,6 @@
 Lines keep their width at any zoom, fade when λ has moved away from what was analyzed, and are hidden by the surface.
 """
 
-import blf
 import bpy
 import gpu
 import numpy as np
@@ -14,7 +13,7 @@ from .. import compat
 from ..analysis.colours import lam_colours
 from ..scene.read import results
 from ..session import morse_preview
-from . import analysis_drawing, drawing_cache, legend, marker_drawing, markers
+from . import analysis_drawing, drawing_cache, legend, marker_drawing, markers, view_text
 from .marker_drawing import Marker
 
 #: Opacity of separatrices and orbits of another λ than the one shown.
@@ -160,32 +159,13 @@ def draw_names(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy
     drawing = analysis_drawing.drawing_of(evaluated) if analysis.show else None
     if drawing is None:
         return
-    unit = context.preferences.system.ui_scale
     selected = (analysis.shown, analysis.list(analysis.shown).active)
     named = [
         mark
         for mark in visible_marks(obj, drawing)
         if (mark.which, mark.index) == selected or (analysis.show_names and mark.lam is None)
     ]
-    if not named:
-        return
-    eye = np.array(context.region_data.view_matrix.inverted())
-    to_object = np.array(evaluated.matrix_world.inverted_safe())
-    eye = to_object[:3, :3] @ eye[:3, 3] + to_object[:3, 3]
-    places = marker_drawing.on_screen(context, evaluated.matrix_world, np.array([mark.position for mark in named]))
-    for mark, (x, y) in zip(named, places, strict=True):
-        if np.isfinite(x) and float(mark.normal @ (eye - mark.position)) >= 0:
-            _write(mark.name, x + 13 * unit, y + 5 * unit, unit)
-
-
-def _write(text: str, x: float, y: float, unit: float) -> None:
-    blf.size(0, 13.0 * unit)
-    blf.enable(0, blf.SHADOW)
-    blf.shadow(0, 5, 0.0, 0.0, 0.0, 0.9)
-    blf.color(0, 1.0, 1.0, 1.0, 1.0)
-    blf.position(0, x, y, 0.0)
-    blf.draw(0, text)
-    blf.disable(0, blf.SHADOW)
+    view_text.draw(context, evaluated.matrix_world, [(mark.name, mark.position, mark.normal) for mark in named])
 
 
 # Legend ---------------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ import bpy
 import bpy.utils.previews
 import numpy as np
 
-from . import markers
+from . import markers, palette
 
 SIZE = 32
 #: Each pixel is this many points in each direction, for smooth rims.
@@ -20,12 +20,13 @@ def of(kind: str) -> int:
         return 0
     if _icons is None:
         _icons = bpy.utils.previews.new()
-    if kind not in _icons:
-        icon = _icons.new(kind)
+    key = f"{palette.name()} {kind}"
+    if key not in _icons:
+        icon = _icons.new(key)
         icon.icon_size = icon.image_size = (SIZE, SIZE)  # type: ignore[assignment]
         pixels = paint(kind)
         icon.icon_pixels_float = icon.image_pixels_float = pixels.ravel().tolist()  # type: ignore[assignment]
-    return _icons[kind].icon_id
+    return _icons[key].icon_id
 
 
 def paint(kind: str) -> np.ndarray:

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from ..analysis.colours import KIND_COLOURS
+from . import palette
 
 #: kind -> its name in legends.
 NAMES = {
@@ -23,14 +23,19 @@ NAMES = {
     "hopf": "Change",
 }
 #: Colours of events over λ, which no entity has.
-EVENTS = {"creation": (1.00, 0.86, 0.35), "annihilation": (0.95, 0.45, 0.80), "hopf": (0.35, 0.85, 0.90)}
+EVENTS = {
+    "creation": (1.00, 0.86, 0.35),
+    "annihilation": (0.95, 0.45, 0.80),
+    "hopf": (0.35, 0.85, 0.90),
+    "meeting": (1.0, 1.0, 1.0),
+}
 Colour = tuple[float, float, float, float]
 RIM: Colour = (0.02, 0.02, 0.03, 1.0)
 LIGHT: Colour = (1.0, 1.0, 1.0, 1.0)
 
 
 def colour_of(kind: str) -> tuple[float, float, float]:
-    return EVENTS.get(kind) or KIND_COLOURS.get(kind, KIND_COLOURS["other"])
+    return EVENTS.get(kind) or palette.kind_colour(kind)
 
 
 def _circle(radius: float, corners: int = 24, turned: float = 0.0) -> np.ndarray:
@@ -47,6 +52,7 @@ OUTLINES = {
     "creation": (3, 0.5 * math.pi),
     "annihilation": (3, -0.5 * math.pi),
     "hopf": (8, math.pi / 8),
+    "meeting": (4, 0.0),
 }
 
 

@@ -10,7 +10,17 @@ import numpy as np
 from mathutils import Matrix
 
 from ..scene.read.active_field import active_field
-from . import analysis_overlay, drawing_cache, legend, marker_drawing, markers, motion
+from . import (
+    analysis_overlay,
+    drawing_cache,
+    element_overlay,
+    legend,
+    marker_drawing,
+    markers,
+    motion,
+    out_of_date,
+    view_text,
+)
 from .marker_drawing import Marker
 from .stroke_shader import StrokeLook
 from .stroke_view import View
@@ -25,6 +35,7 @@ _handles: list = []
 
 def forget() -> None:
     analysis_overlay.forget()
+    element_overlay.forget()
     motion.forget()
 
 
@@ -63,6 +74,8 @@ def draw_field(context: bpy.types.Context) -> None:
         drawing = drawing_cache.drawing_of(evaluated)
         if drawing is not None:
             _draw_strokes(context, evaluated, obj.stormfield.look)
+        if obj.stormfield.look.show_elements:
+            element_overlay.draw(context, obj, evaluated)
         analysis_overlay.draw(context, obj, evaluated)
         if drawing is not None:
             points = (Marker(kind, position) for kind, position in drawing.points)
@@ -121,12 +134,29 @@ def draw_texts(context: bpy.types.Context) -> None:
     """Names of entities, and the legend of the active field."""
     shown = dict(_shown_objects(context))
     for obj, evaluated in shown.items():
+        if obj.stormfield.look.show_elements:
+            element_overlay.draw_names(context, obj, evaluated)
         analysis_overlay.draw_names(context, obj, evaluated)
+        sentence = out_of_date.sentence(obj)
+        if sentence:
+            _write_above(context, evaluated, sentence)
     obj = active_field(context)
     if obj in shown and obj.stormfield.look.show_legend:
         blocks = [*_field_block(obj, shown[obj]), *analysis_overlay.legend_blocks(obj, shown[obj])]
         if blocks:
             legend.draw(context, blocks)
+
+
+def _write_above(context, evaluated, text: str) -> None:
+    """Over the object, kept inside the view."""
+    corners = np.array([corner[:] for corner in evaluated.bound_box])
+    places = marker_drawing.on_screen(context, evaluated.matrix_world, corners)
+    if not np.isfinite(places).any():
+        return
+    unit, region = context.preferences.system.ui_scale, context.region
+    x = float(np.clip(np.nanmin(places[:, 0]), 60 * unit, max(region.width - 420 * unit, 60 * unit)))
+    y = float(np.clip(np.nanmax(places[:, 1]) + 12 * unit, 60 * unit, region.height - 90 * unit))
+    view_text.write(text, x, y, unit)
 
 
 def _field_block(obj, evaluated) -> list[legend.Block]:

@@ -197,6 +197,7 @@ class STORMFIELD_PT_look(FieldPanel, bpy.types.Panel):
             column.prop(look, "opacity", slider=True)
             column.prop(look, "show_motion")
         column = layout.column(heading="Mark")
+        column.prop(look, "show_elements")
         column.prop(look, "show_fixed_points")
         column.prop(look, "show_legend")
 

@@ -47,7 +47,7 @@ void main()
   vec4 about = texel(POINTS);  /* speed, distance of its level, reach, number between 0 and 1 */
   vec4 middle = projection * vec4(texel((POINTS - 1) / 2).xyz, 1.0);
   float pixels = view.z / max(middle.w, 1e-9);  /* of one mesh unit */
-  float room = smoothstep(0.85, 1.15, about.y * pixels / look.x) * step(1e-6, about.x) * step(1e-9, middle.w);
+  float room = smoothstep(0.95, 1.15, about.y * pixels / look.x) * step(1e-6, about.x) * step(1e-9, middle.w);
   float share = clamp(look.y / max(about.z * pixels, 1e-9), 0.0, 1.0);  /* of the traced length */
   float t = 0.5 + (clamp(along, 0.0, 1.0) - 0.5) * share;
   vec4 clip = projection * vec4(place(t), 1.0);
@@ -91,7 +91,7 @@ void main()
   float inner = clamp(width - d + 0.5, 0.0, 1.0);
   float outer = clamp(width + moving.z * stroke.z - d + 0.5, 0.0, 1.0);
   if (outer <= 0.0) discard;
-  fragColor = framebuffer_colour(mix(vec3(RIM), core, inner), outer * moving.w);
+  fragColor = framebuffer_colour(mix(vec3(RIM), core, inner), outer * moving.w * stroke.z);
 }
 """
 

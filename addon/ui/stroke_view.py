@@ -20,7 +20,7 @@ from .surface import Surface
 #: Strokes are drawn a little beyond the view's edges, and of closed surfaces a little beyond the horizon.
 MARGIN, HORIZON = 1.15, -0.1
 #: Seeds join at this part of the distance between strokes; the shader lets them grow from nothing.
-JOINS = 0.85
+JOINS = 0.95
 #: Most strokes of one view.
 MOST = 8000
 

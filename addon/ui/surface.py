@@ -44,6 +44,17 @@ def lifted(
     return positions + LIFT * surface.size * normals, normals
 
 
+def lift(points: np.ndarray, surface: Surface, mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Points onto the surface as it is drawn, and LIFT object sizes above it; and the normals there, both (k, 3).
+
+    mesh: its native TriangleMesh, or None where it is no surface: the points then stay where they are."""
+    points = np.asarray(points, np.float64)
+    if mesh is None or not len(points):
+        return points, np.tile((0.0, 0.0, 1.0), (len(points), 1))
+    faces, barycentric, _ = mesh.closest_points(points)
+    return lifted(surface, faces, barycentric, np.asarray(mesh.positions(faces, barycentric)))
+
+
 def _evaluate(surface: Surface, values: np.ndarray, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
     """Linear interpolation, enough for a picture."""
     return np.einsum("kc,kcd->kd", barycentric, values[surface.triangles[faces]])

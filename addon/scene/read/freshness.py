@@ -31,7 +31,7 @@ def read(obj: bpy.types.Object, mesh: str | None = None) -> dict[str, Json]:
         "mesh": mesh or mesh_digest(obj.data),
         "settings": settings_digest(obj),
         "size": max(obj.dimensions[:]),
-        "elements": [_element(obj, element) for element in obj.stormfield.elements if element.enabled],
+        "elements": [element_entry(obj, element) for element in obj.stormfield.elements if element.enabled],
     }
 
 
@@ -90,7 +90,8 @@ def _same(old, new, slack: float) -> bool:
     return bool(np.allclose(old["place"], new["place"], rtol=0.0, atol=slack))
 
 
-def _element(obj: bpy.types.Object, element) -> dict[str, Json]:
+def element_entry(obj: bpy.types.Object, element) -> dict[str, Json]:
+    """settings, shape: digests; place: numbers of the matrix from the source to the mesh, where nothing moves it."""
     source = element.source
     entry: dict[str, Json] = {"name": element.name, "settings": _digest(values_of(element))}
     if source is None:

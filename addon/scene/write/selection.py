@@ -3,6 +3,8 @@
 
 selection.select(obj, "ecg", 3)        # from the view, or a script
 selection.follow_graph(tree)           # from the graph editor: the list takes over the active node
+
+The same for design elements: selection.show_element(obj) from the list, selection.follow_view(...) from the view.
 """
 
 import bpy
@@ -34,6 +36,37 @@ def follow_graph(obj: bpy.types.Object, which: str) -> bool:
         return False
     select(obj, which, node.entity)
     return True
+
+
+def show_element(obj: bpy.types.Object) -> None:
+    """The artist clicked an element in the list: select its source in the view. Scripts that set the list's active
+    element change no selection."""
+    region, layer = bpy.context.region, bpy.context.view_layer
+    element = obj.stormfield.active()
+    source = element.source if element is not None else None
+    if region is None or region.type != "UI" or source is None or source.name not in layer.objects:
+        return
+    if bpy.context.mode != "OBJECT" or (layer.objects.active == source and source.select_get()):
+        return
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    source.hide_set(False)
+    source.select_set(True)
+    layer.objects.active = source
+
+
+def follow_view(active: bpy.types.Object, scene: bpy.types.Scene) -> None:
+    """The artist clicked the source of an element in the view: make it the active one of its list."""
+    for obj in scene.objects:
+        if obj.type != "MESH" or not obj.stormfield.enabled:
+            continue
+        field = obj.stormfield
+        current = field.active()
+        if current is not None and current.source == active:
+            continue
+        found = next((i for i, element in enumerate(field.elements) if element.source == active), None)
+        if found is not None:
+            field.active_element = found
 
 
 def redraw() -> None:

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the overlay draws of the design elements, as arrays in the mesh's space, lifted off the surface. No GPU here.
+
+    drawing = drawing_of(evaluated)
+    drawing.shapes[i].fixed, drawing.shapes[i].at(lam)      # segments: what stays, and the ring where it is at λ
+
+Each element is worked out again only when it or the surface has changed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+
+from ..model.design import Element
+from ..model.meetings import Meeting, meetings
+from ..scene.read import freshness as reading
+from ..scene.read.element_lines import element_lines
+from ..session import freshness
+from . import drawing_cache, palette
+from . import element_shapes as shapes
+from .surface import Surface, lift
+
+#: Distance of points along a path, of arrows of travel, and their size, over the object's size.
+STEP, ARROWS, HEAD = 1 / 150, 1 / 9, 1 / 60
+#: Elements of these types have a place that changes with λ.
+MOVING = frozenset({"singular", "pathline"})
+NOTHING = np.zeros((0, 2, 3))
+
+
+@dataclass
+class Path:
+    """A stroke of an element on the surface."""
+
+    points: np.ndarray  #: (k, 3) lifted
+    normals: np.ndarray  #: (k, 3)
+    lam: np.ndarray  #: (k,)
+
+
+@dataclass
+class Shape:
+    """One element."""
+
+    index: int  #: in the list
+    name: str
+    type: str
+    kind: str
+    angle: float
+    radius: float
+    lam: tuple[float, float]
+    paths: list[Path]
+    fixed: np.ndarray  #: (l, 2, 3) path, arrows, ticks
+    on: tuple[Surface, object]  #: surface and native mesh
+    _ring: tuple[float, np.ndarray] | None = None
+
+    @property
+    def moves(self) -> bool:
+        return self.type in MOVING and any(len(path.points) > 1 for path in self.paths)
+
+    def place(self, lam: float) -> np.ndarray | None:
+        """Where it is at λ; None outside its life. Of what has no place of its own its beginning."""
+        if not self.paths or not self.lam[0] - 1e-9 <= lam <= self.lam[1] + 1e-9:
+            return None
+        path = self.paths[0]
+        if not self.moves or self.type == "regular":
+            return path.points[0]
+        return np.array([np.interp(lam, path.lam, path.points[:, axis]) for axis in range(3)])
+
+    def at(self, lam: float) -> np.ndarray:
+        """(l, 2, 3) the ring of the radius and the sign of the turning."""
+        kept = 0.0 if not self.moves else lam
+        alive = self.place(lam)
+        if alive is None or self.type in {"streamline", "regular"}:
+            return NOTHING
+        if self._ring is None or self._ring[0] != kept:
+            self._ring = (kept, self._ring_around(alive, lam))
+        return self._ring[1]
+
+    def _ring_around(self, centre: np.ndarray, lam: float) -> np.ndarray:
+        surface, mesh = self.on
+        flat = shapes.ring() + (shapes.sign(self.kind, self.angle) if self.type == "singular" else [])
+        path = self.paths[0]
+        near = int(np.argmin(np.abs(path.lam - lam))) if self.moves else 0
+        normal = path.normals[near]
+        ahead = path.points[min(near + 1, len(path.points) - 1)] - path.points[max(near - 1, 0)]
+        first = ahead - normal * (ahead @ normal)
+        if np.linalg.norm(first) < 1e-12:
+            first = np.cross(normal, (1.0, 0.0, 0.0) if abs(normal[0]) < 0.8 else (0.0, 1.0, 0.0))
+        first = first / np.linalg.norm(first)
+        axes = np.stack([first, np.cross(normal, first)])
+        sizes = [len(line) for line in flat]
+        raised, _ = lift(centre + self.radius * (np.concatenate(flat) @ axes), surface, mesh)
+        return segments(np.split(raised, np.cumsum(sizes)[:-1]))
+
+
+@dataclass
+class MeetingMark:
+    words: str  #: "merge at λ 0.60"
+    lam: float
+    position: np.ndarray  #: (3,) lifted
+    normal: np.ndarray
+
+
+@dataclass
+class ElementsDrawing:
+    shapes: list[Shape] = field(default_factory=list)
+    meetings: list[MeetingMark] = field(default_factory=list)
+    version: int = 0
+
+
+@dataclass
+class _Kept:
+    asked: tuple = ()
+    surface: Surface | None = None
+    entries: dict[str, tuple] = field(default_factory=dict)  #: entry and shape by the element's name
+    drawing: ElementsDrawing = field(default_factory=ElementsDrawing)
+
+
+_kept: dict[int, _Kept] = {}
+
+
+def forget() -> None:
+    _kept.clear()
+
+
+def drawing_of(evaluated: bpy.types.Object) -> ElementsDrawing:
+    """The drawing of an evaluated object's elements."""
+    obj = evaluated.original
+    surface, mesh = drawing_cache.surface_of(evaluated)
+    kept = _kept.setdefault(obj.session_uid, _Kept())
+    asked = (freshness.elements_version(obj), palette.name())
+    if kept.surface is surface and kept.asked == asked:
+        return kept.drawing
+    if kept.surface is not surface:
+        kept.entries.clear()
+    known, kept.entries = kept.entries, {}
+    found = []
+    for index, element in enumerate(obj.stormfield.elements):
+        if not element.enabled or element.source is None:
+            continue
+        entry = reading.element_entry(obj, element)
+        old = known.get(element.name)
+        shape = old[1] if old is not None and old[0] == entry else _shape(obj, element, surface, mesh)
+        shape.index = index
+        kept.entries[element.name] = (entry, shape)
+        found.append(shape)
+    marks = _meeting_marks(found, surface, mesh)
+    kept.asked, kept.surface = asked, surface
+    kept.drawing = ElementsDrawing(found, marks, kept.drawing.version + 1)
+    return kept.drawing
+
+
+def _shape(obj: bpy.types.Object, element, surface: Surface, mesh) -> Shape:
+    lam = (0.0, 1.0) if element.from_animation else (element.lam_start, max(element.lam_start, element.lam_end))
+    point = element.source.type == "EMPTY"
+    paths = []
+    for line in element_lines(obj, element.source):
+        if point and element.type != "regular":
+            line = line[:1]
+        elif point:  # as long as the element reaches
+            line = np.stack([line[0], line[0] + element.radius * _unit(line[1] - line[0])])
+        paths.append(_path(line, lam, surface, mesh))
+    heads = _heads(element, paths, surface.size)
+    fixed = segments([path.points for path in paths] + heads)
+    radius = element.radius
+    return Shape(0, element.name, element.type, element.kind, element.angle, radius, lam, paths, fixed, (surface, mesh))
+
+
+def _path(line: np.ndarray, lam: tuple[float, float], surface: Surface, mesh) -> Path:
+    if len(line) == 1:
+        points, normals = lift(line, surface, mesh)
+        return Path(points, normals, np.array([lam[0]]))
+    arc = shapes.arc_length(line)
+    share = arc / arc[-1] if arc[-1] > 0 else arc
+    fine, times = shapes.resampled(line, STEP * surface.size, lam[0] + share * (lam[1] - lam[0]))
+    points, normals = lift(fine, surface, mesh)
+    return Path(points, normals, times)
+
+
+def _heads(element, paths: Sequence[Path], size: float) -> list[np.ndarray]:
+    """Arrows of travel, and ticks where λ grows along the path."""
+    lines: list[np.ndarray] = []
+    for path in paths:
+        if len(path.points) < 2:
+            continue
+        lines += shapes.chevrons(path.points, path.normals, ARROWS * size, HEAD * size)
+        if element.type in MOVING and not element.from_animation:
+            lines += shapes.ticks(path.points, path.normals, path.lam, 0.6 * HEAD * size)
+    return lines
+
+
+def _meeting_marks(found: list[Shape], surface: Surface, mesh) -> list[MeetingMark]:
+    marks = []
+    for meeting in meetings(_plain(found)):
+        (place,), (normal,) = lift(meeting.position[None], surface, mesh)
+        marks.append(MeetingMark(_said(meeting), meeting.lam, place, normal))
+    return marks
+
+
+def _plain(found: list[Shape]) -> list[Element]:
+    """Moving fixed points as the model knows them."""
+    return [
+        Element(
+            shape.name,
+            "singular",
+            tuple((x, y, z) for x, y, z in path.points.tolist()),
+            lam=tuple(path.lam.tolist()),
+            radius=shape.radius,
+        )
+        for shape in found
+        if shape.type == "singular"
+        for path in shape.paths
+        if len(path.points) > 1
+    ]
+
+
+def _said(meeting: Meeting) -> str:
+    return f"{meeting.words} at λ {meeting.lam:.2f}"
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    return vector / max(float(np.linalg.norm(vector)), 1e-30)
+
+
+def segments(lines: Sequence[np.ndarray]) -> np.ndarray:
+    """(l, 2, 3) of polylines (k, 3)."""
+    pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in lines if len(line) > 1]
+    return np.concatenate(pairs) if pairs else NOTHING

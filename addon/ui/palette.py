@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The colours that the artist has chosen in the preferences, for everything that is drawn in the interface."""
+
+import bpy
+
+from ..analysis.colours import PALETTES, Colours
+
+DEFAULT = "COLOR_BLIND_SAFE"
+#: Of design elements that are no fixed points, in every palette.
+ELEMENTS = {"streamline": (0.90, 0.62, 0.00), "pathline": (0.80, 0.47, 0.65), "regular": (0.80, 0.82, 0.86)}
+#: Which kind of fixed point a design element's kind is drawn as.
+_ROLES = {"vortex": "center", "spiral_in": "sink", "spiral_out": "source"}
+
+
+def name() -> str:
+    """Of the palette in the preferences."""
+    addon = bpy.context.preferences.addons.get(__package__.rpartition(".")[0])
+    chosen = getattr(addon.preferences, "palette", DEFAULT) if addon is not None else DEFAULT
+    return chosen if chosen in PALETTES else DEFAULT
+
+
+def colours() -> Colours:
+    """Of kinds of entities, sRGB."""
+    return PALETTES[name()]
+
+
+def kind_colour(kind: str) -> tuple[float, float, float]:
+    found = colours()
+    return found.get(kind, found["other"])
+
+
+def element_colour(element_type: str, kind: str) -> tuple[float, float, float]:
+    """type and kind as in ElementProperties."""
+    if element_type != "singular":
+        return ELEMENTS.get(element_type, ELEMENTS["regular"])
+    return kind_colour(_ROLES.get(kind.rpartition("_")[0], kind))
