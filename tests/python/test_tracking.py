@@ -163,7 +163,7 @@ def test_calm_air_is_told_and_refused_where_there_is_nothing_else(capsys, grid):
     status, out, err = run(capsys, "track", grid(u=u, v=v), "--sphere-faces", 320, "--json", "-")
     content = json.loads(out)
     assert status == 0 and "have no field" in err
-    assert content["zero_vectors"] > 0 and content["zero_regions"]["parts"] == 2
+    assert content["zero_vectors"] > 0 and 0 < content["zero_regions"]["faces"] < content["mesh"]["faces"]
     calm = grid(u=np.zeros((3, 61, 120)), v=np.zeros((3, 61, 120)))
     assert "zero everywhere" in refused(capsys, "track", calm, "--json", "-")
 
