@@ -18,6 +18,7 @@ from ..model.errors import InputError
 from ..model.words import Json
 from ..readers import Choice, FieldData, read_field
 from .blender import load_core
+from .located import located
 from .output import Phases, describe_mesh, field_argument, surface_of, write_result
 
 Read = Callable[[str, Choice], FieldData]
@@ -53,6 +54,8 @@ class FieldInput:
     def write(self, schema: str, content: dict[str, Json], seconds: dict[str, float] | None = None) -> None:
         """The JSON, with what all commands write."""
         spent = self.phases.seconds | (seconds or {})
+        if self.data.geography is not None:
+            content = located(content, self.data.geography)
         write_result(self._out, schema, self.data.read, {"mesh": describe_mesh(self.mesh), **content, "seconds": spent})
 
 

@@ -17,19 +17,44 @@ from .. import native
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from ..model.words import Json
-from ..readers import Choice, Reading
+from ..readers import EARTH_RADIUS_KM, Choice, Reading
+
+#: The options that become a Choice.
+CHOICES = ("vector", "sphere_faces", "attribute", "level", "member", "at", "times", "radius_km")
 
 
 def field_argument(command: Callable[..., None]) -> Callable[..., None]:
     """FIELD, and the options that say what of it is read. The command gets them as field and choice."""
 
     @functools.wraps(command)
-    def chosen(vector: str | None, sphere_faces: int | None, attribute: str, **options: object) -> None:
-        command(choice=Choice(vector, sphere_faces, attribute), **options)
+    def chosen(**options: object) -> None:
+        given = {name: options.pop(name) for name in CHOICES}
+        command(choice=Choice(**given), **options)  # type: ignore[arg-type]
 
     for option in (
+        click.option(
+            "--radius",
+            "radius_km",
+            type=float,
+            default=EARTH_RADIUS_KM,
+            show_default=True,
+            help="Radius of the sphere of a grid, kilometres.",
+        ),
+        click.option("--times", nargs=2, metavar="A B", help="First and last time of a grid: dates, or its numbers."),
+        click.option(
+            "--at", multiple=True, metavar="NAME=VALUE", callback=_pairs, help="Value of any other dimension of a grid."
+        ),
+        click.option("--member", help="Member of an ensemble on a grid."),
+        click.option("--level", help="Level of a grid, such as 850, in its own unit."),
         click.option("--attribute", default="sf_advection", show_default=True, help="Vector attribute of a cache."),
-        click.option("--sphere-faces", type=int, help="Faces of the sphere that carries wind, about."),
+        click.option(
+            "--sphere-faces",
+            metavar="N",
+            default="auto",
+            show_default=True,
+            callback=_faces,
+            help="Faces of the sphere that carries a grid of the whole globe, about; auto follows the grid.",
+        ),
         click.option(
             "--vector",
             help="Array that is the field: NAME, or X,Y,Z; points:NAME or cells:NAME where both have it. "
@@ -38,6 +63,23 @@ def field_argument(command: Callable[..., None]) -> Callable[..., None]:
     ):
         chosen = option(chosen)
     return click.argument("field", type=click.Path())(chosen)
+
+
+def _faces(_context: click.Context, _parameter: click.Parameter, given: str) -> int | None:
+    if given == "auto":
+        return None
+    try:
+        return int(given)
+    except ValueError:
+        raise InputError(f"--sphere-faces {given} is no number; give one, or auto") from None
+
+
+def _pairs(_context: click.Context, _parameter: click.Parameter, given: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    pairs = tuple(tuple(part.strip() for part in word.split("=", 1)) for word in given)
+    wrong = next((word for word, pair in zip(given, pairs, strict=True) if len(pair) != 2), None)
+    if wrong is not None:
+        raise InputError(f"--at {wrong}: write NAME=VALUE, such as --at depth=0.5")
+    return pairs  # type: ignore[return-value]
 
 
 class Phases:

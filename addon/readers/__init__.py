@@ -3,7 +3,7 @@
 
     .t                     the format of the thesis's data: faces vertices, triangles, positions, vectors
     cache folder           a baked λ cache
-    .npz .nc .nc4 .h5      wind on a latitude-longitude grid, put onto a sphere
+    grids                  wind or currents: NetCDF, GRIB, zarr, .npz; also a folder of them, or a pattern of names
     anything else          a surface with vectors at points or cells, as VTK or meshio read it, at one or more times
 
 Faults of the data are InputError naming file, place and cure. No bpy, no native module.
@@ -14,13 +14,11 @@ from pathlib import Path
 from ..cache.layout import MANIFEST, OLD_STAGE, PLAN, STAGE
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
-from .choice import Choice
+from .choice import EARTH_RADIUS_KM, Choice
 from .field_data import FieldData, NoFieldError
+from .geography import Geography
+from .grids.opening import is_grid, is_pattern
 from .reading import ArrayInfo, Reading
-
-GRIDS = {".npz", ".nc", ".nc4", ".cdf", ".h5"}
-#: Faces of the sphere that carries wind by default.
-SPHERE_FACES = 20480
 
 
 def read_field(path: str | Path, choice: Choice | None = None) -> FieldData:
@@ -51,6 +49,10 @@ def read_series(path: str | Path, choice: Choice | None = None) -> FieldData:
 def read_mesh(path: str | Path) -> tuple[MeshData, Reading]:
     """The mesh of any of the files above, whether it carries a field or not, and what there is to choose."""
     path = Path(path)
+    if is_grid(path):
+        from .grids import read_grid_mesh
+
+        return read_grid_mesh(path)
     other = _not_a_surface(path, Choice())
     if other is not None:
         return other.mesh, other.read
@@ -73,23 +75,19 @@ def _not_a_surface(path: Path, choice: Choice) -> FieldData | None:
         from .t_file import read_t
 
         return read_t(path)
-    if ending in GRIDS:
-        from .wind import read_wind
+    if is_grid(path):
+        from .grids import read_grid
 
-        return read_wind(path, SPHERE_FACES if choice.sphere_faces is None else choice.sphere_faces)
+        return read_grid(path, choice)
     return None
 
 
-def is_pattern(path: Path) -> bool:
-    """Whether this names several files: wall_*.vtp"""
-    return not path.exists() and any(letter in path.name for letter in "*?[")
-
-
 __all__ = [
-    "SPHERE_FACES",
+    "EARTH_RADIUS_KM",
     "ArrayInfo",
     "Choice",
     "FieldData",
+    "Geography",
     "NoFieldError",
     "Reading",
     "is_pattern",

@@ -9,15 +9,38 @@ from dataclasses import dataclass
 from ..model.errors import InputError
 from .reading import ArrayInfo
 
+#: Mean radius of the earth, and more than that of any planet.
+EARTH_RADIUS_KM, MAX_RADIUS_KM = 6371.0, 1e6
+
 
 @dataclass(frozen=True)
 class Choice:
-    """vector: an array, or its components with commas between; None takes the likely one. sphere_faces: of wind, about.
-    attribute: of a cache."""
+    """vector: an array, or its components with commas between; None takes the likely one. attribute: of a cache.
+
+    Of grids: level and member, as numbers or words; at: (dimension, value) of any other; times: the first and the last,
+    dates or numbers in the file's unit; radius_km: of the sphere; sphere_faces: of one that carries a grid of the whole
+    globe, about, None follows the grid."""
 
     vector: str | None = None
     sphere_faces: int | None = None
     attribute: str = "sf_advection"
+    level: str | None = None
+    member: str | None = None
+    at: tuple[tuple[str, str], ...] = ()
+    times: tuple[str, str] | None = None
+    radius_km: float = EARTH_RADIUS_KM
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.radius_km <= MAX_RADIUS_KM:
+            raise InputError(
+                f"--radius {self.radius_km:g} is out of range; give kilometres, {EARTH_RADIUS_KM:g} for the earth"
+            )
+
+    @property
+    def by_dimension(self) -> dict[str, str]:
+        """The chosen values by "level", "member" or name of a dimension."""
+        given = {"level": self.level, "member": self.member, **dict(self.at)}
+        return {name: value for name, value in given.items() if value is not None}
 
 
 def chosen_arrays(vector: str, offered: Sequence[ArrayInfo], where: str) -> tuple[ArrayInfo, ...]:

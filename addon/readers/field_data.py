@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What every reader returns."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
+from .geography import Geography
 from .reading import Reading
 
 #: Squares and determinants of numbers up to this stay finite, and those of its inverse are not zero.
@@ -17,20 +20,36 @@ class NoFieldError(InputError):
     """The file is a mesh, but nothing says which of its data is the field."""
 
 
+class Samples(Protocol):
+    """(s, n, 3) vectors whose samples are read when asked for; an array is one."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, j: int, /) -> np.ndarray: ...
+
+    def __iter__(self) -> Iterator[np.ndarray]: ...
+
+
 @dataclass(frozen=True, eq=False)
 class FieldData:
-    """vectors (s, n, 3) float64 in space, one per sample and vertex; lambdas (s,) increasing in 0..1; read says where
-    they come from."""
+    """vectors (s, n, 3) float64 in space, one per sample and vertex, in memory or read one after another; lambdas (s,)
+    increasing in 0..1; read says where they come from; geography, where on the earth and when."""
 
     mesh: MeshData
     lambdas: np.ndarray
-    vectors: np.ndarray
+    vectors: Samples
     read: Reading = field(default_factory=Reading)
+    geography: Geography | None = None
 
     def __post_init__(self) -> None:
         wanted, where = (len(self.lambdas), len(self.mesh.vertices), 3), self.read.name()
         if self.vectors.shape != wanted:
             raise InputError(f"{where}the field has shape {self.vectors.shape} on a mesh that needs {wanted}")
+        if not isinstance(self.vectors, np.ndarray):
+            return  # readers of large data check each sample as they read it
         bad = np.unique(np.argwhere(~np.isfinite(self.vectors).all(axis=2))[:, 1])
         if len(bad):
             others = f", nor are those of {len(bad) - 1} others" if len(bad) > 1 else ""

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Places and times of a field on the earth, beside positions and λ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+#: Calendars that are the one of datetime64, from its introduction on.
+COMMON = ("standard", "gregorian", "proleptic_gregorian")
+
+
+@dataclass(frozen=True, eq=False)
+class Geography:
+    """spherical: positions lie on a sphere around the origin, x to 0° E on the equator, z to the north pole. numbers
+    (s,): times of the samples in `unit`, None where there are none; calendar: the one of CF that makes them dates,
+    empty where none does."""
+
+    spherical: bool
+    numbers: np.ndarray | None = None
+    unit: str = ""
+    calendar: str = ""
+
+    def latitude_longitude(self, positions) -> np.ndarray:
+        """(..., 3) → (..., 2) degrees north, and east from −180 to 180."""
+        x, y, z = np.moveaxis(np.asarray(positions, np.float64), -1, 0)
+        return np.degrees(np.stack([np.arctan2(z, np.hypot(x, y)), np.arctan2(y, x)], axis=-1))
+
+    def times(self, lambdas) -> list[str] | list[float] | None:
+        """When each λ is: dates to the second, or numbers in the file's unit; None where the file has no times."""
+        if self.numbers is None:
+            return None
+        numbers = self.numbers[0] + np.asarray(lambdas, np.float64) * (self.numbers[-1] - self.numbers[0])
+        return dates_of(numbers, self.unit, self.calendar) if self.calendar else numbers.tolist()
+
+    def time(self, lam: float) -> str | float | None:
+        """The same of one λ."""
+        times = self.times([lam])
+        return None if times is None else times[0]
+
+
+def dates_of(numbers: np.ndarray, unit: str, calendar: str) -> list[str]:
+    """ISO 8601, to the nearest second."""
+    from datetime import timedelta
+
+    import cftime
+
+    if not len(numbers):
+        return []
+    first = cftime.num2date(float(numbers[0]), unit, calendar)
+    second = cftime.num2date(float(numbers[0]) + 1.0, unit, calendar) - first
+    if calendar in COMMON and first.year > 1582:
+        start = np.datetime64(first.isoformat(), "us")
+        microseconds = np.round((numbers - numbers[0]) * (second / timedelta(microseconds=1)))
+        return np.datetime_as_string(
+            start + microseconds.astype("timedelta64[us]") + np.timedelta64(500000, "us"), "s"
+        ).tolist()
+    half = timedelta(microseconds=500000)
+    return [(date + half).replace(microsecond=0).isoformat() for date in cftime.num2date(numbers, unit, calendar)]
