@@ -21,7 +21,10 @@ OPERATORS = {
         *("draw_element", "finish_drawing", "add_elements", "place_element"),
         *("remove_element", "move_element", "element_preset"),
     ),
-    "panels/solve": ("solve", "add_preset"),
+    "panels/solve": (
+        *("solve", "add_preset"),
+        *("subdivide_mesh", "fix_normals", "fill_parts", "leave_out_parts"),
+    ),
     "panels/bake": ("bake", "use_baked_caches"),
     "panels/shading": ("apply_material",),
     "panels/analysis": (

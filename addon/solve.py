@@ -156,13 +156,13 @@ def _native_element(element: Element) -> native.DesignElement:
 
 
 def _notes(mesh: native.TriangleMesh, names: tuple[str, ...], components: list[int]) -> list[str]:
-    """Components that no element reaches: their field is zero."""
-    notes = []
-    for component in components:
-        vertices = np.flatnonzero(mesh.components == component)
-        which = " and ".join(names)
-        notes.append(
-            f"no element of the {which} field reaches component {component + 1} of {mesh.component_count} of the mesh "
-            f"({len(vertices)} vertices, the first is {vertices[0]}): its field is zero; add an element there"
-        )
-    return notes
+    """Parts that no element reaches: their field is zero."""
+    if not components:
+        return []
+    sizes = np.bincount(np.asarray(mesh.components), minlength=mesh.component_count)
+    which = ", ".join(f"part {component + 1} with {sizes[component]} vertices" for component in components[:4])
+    more = f" and {len(components) - 4} more" if len(components) > 4 else ""
+    field = "" if len(names) == len(FIELDS) else f" of the {names[0]} field"
+    few = f"{len(components)} of {mesh.component_count} parts of the mesh"
+    have = "has" if len(components) == 1 else "have"
+    return [f"{few} {have} no element{field}, so nothing flows there ({which}{more}): add an element, or leave it so"]

@@ -3,13 +3,16 @@
 
 import bpy
 
+from ..analysis.doubts import doubts_of
 from ..bake.lambda_cache import solve_steps
+from ..cache.fields import native_mesh
 from ..scene.read import folders
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
-from ..scene.write import attach
+from ..scene.write import attach, doubts
 from ..session import freshness, solver_state
 from . import requirements
+from .doubts import solved_fields
 from .job_operator import JobOperator
 
 
@@ -27,7 +30,7 @@ class SolvingOperator(JobOperator):
     why_not = staticmethod(why_not)
 
     def start(self, context, obj):
-        mesh, design = read_design(context, obj)
+        mesh, design = self._solves = read_design(context, obj)
         self._read = freshness.read(obj)
         state = solver_state.of(obj) if obj.stormfield.solve.keep_solver else None
         return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj), state=state)
@@ -35,6 +38,16 @@ class SolvingOperator(JobOperator):
     def finish(self, _context, obj, folder):
         attach.show_solved(obj, folder)
         freshness.keep(obj, self._read)
+        self._tell_doubts(obj)
+
+    def _tell_doubts(self, obj):
+        """Keep for the panel, and say, what the artist should know of the result."""
+        mesh, design = self._solves
+        found = doubts_of(native_mesh(mesh), design, solved_fields(obj, mesh))
+        doubts.keep(obj, found)
+        for doubt in doubts.read(obj):
+            if doubt.kind != "no_element":  # which the solver has told already
+                self.report({"WARNING"}, doubt.text)
 
 
 class STORMFIELD_OT_solve(SolvingOperator, bpy.types.Operator):

@@ -53,6 +53,12 @@ class FieldProperties(bpy.types.PropertyGroup):
         description="Caches that are turned off while the mesh is another one than they were made for",
         options={"HIDDEN"},
     )
+    doubts: StringProperty(
+        name="Doubts", description="What is to be known of the last solve (JSON)", options={"HIDDEN"}
+    )
+    left_out: IntProperty(
+        name="Left Out", description="Parts without an element that may stay so (count)", options={"HIDDEN"}
+    )
     speed_on: EnumProperty(
         name="Keep Speed of",
         description="What a speed means on a surface that armatures, shape keys or other modifiers stretch",

@@ -7,7 +7,7 @@ from bl_ui.utils import PresetPanel
 from ..operators import bake, requirements, solve
 from ..scene.read.active_field import active_field
 from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file
-from . import baked_caches, out_of_date
+from . import baked_caches, doubts, out_of_date
 from .panel_parts import FieldPanel, SidebarPanel, job_button, text_lines
 
 
@@ -116,6 +116,7 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         settings = obj.stormfield.solve
         job_button(context, layout, solve.STORMFIELD_OT_solve, obj, icon="PLAY")
         out_of_date.draw_in_panel(context, layout, obj)
+        doubts.draw(context, layout, obj)
         column = layout.column()
         column.prop(settings, "even_speed", slider=True)
         column.prop(settings, "lambda_weight")

@@ -148,6 +148,11 @@ def walk(op: Operators, stormfield) -> None:
     op.solve()
     settings.elements[0].radius *= 1.1
     op.solve()  # from the first one
+    op.fix_normals()
+    op.fill_parts()
+    op.refused("leave_out_parts")  # every part has an element
+    op.subdivide_mesh(times=1)
+    op.solve()
     bake = settings.bake
     bake.use_exr = bake.use_vdb = bake.use_morse = True
     bake.resolution = "256"

@@ -156,7 +156,7 @@ def test_parts_without_elements_are_reported():
     )
     solution = start_solve(two, merge()).result()
     (note,) = solution.notes
-    assert f"component 2 of 2 of the mesh ({count} vertices, the first is {count}): its field is zero" in note
+    assert f"1 of 2 parts of the mesh has no element, so nothing flows there (part 2 with {count} vertices)" in note
     assert np.all(solution.fields["orientation"].values[:, count:] == 0)
 
 

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Doubts of the last solve with the buttons that cure them, below Solve."""
+
+import bpy
+
+from ..scene.write import doubts
+from .panel_parts import text_lines
+
+#: Operators that cure each kind, with their icons.
+CURES = {
+    "coarse": (("stormfield.subdivide_mesh", "MOD_SUBSURF"),),
+    "no_element": (("stormfield.fill_parts", "ADD"), ("stormfield.leave_out_parts", "HIDE_ON")),
+    "inward": (("stormfield.fix_normals", "NORMALS_FACE"),),
+}
+
+
+def draw(context: bpy.types.Context, layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    for doubt in doubts.read(obj):
+        box = layout.box()
+        text_lines(context, box, doubt.text, icon="ERROR")
+        row = box.row(align=True)
+        for operator, icon in CURES[doubt.kind]:
+            row.operator(operator, icon=icon)
