@@ -12,7 +12,7 @@ import numpy as np
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from .choice import Choice
-from .field_data import FieldData, check_numbers, lambdas_of
+from .field_data import FieldData, NoFieldError, check_numbers, lambdas_of
 from .normals import faces_to_vertices, rotated, tangent_share, vertex_normals
 from .raw_surface import CELLS, RawSurface, Values, joined, offered
 from .reading import Reading
@@ -77,7 +77,7 @@ def surface_field(data: Steps, choice: Choice) -> FieldData:
         vectors = _on_first_surface(vectors, frames, welded)
     share = _share(mesh, vectors)
     if share is not None and looks_normal(share, vectors[0]):
-        raise InputError(f"{data.name}: {normal_fault(taken.arrays, offered(first))}")
+        raise NoFieldError(f"{data.name}: {normal_fault(taken.arrays, offered(first))}")
     left = [part.name for part in first if not part.has(taken.arrays)]
     notes = [*data.notes, *taken.notes, *clock.notes]
     notes += [f"blocks without {taken.arrays[0].name} left out: {', '.join(left)}"] if left else []
@@ -108,11 +108,12 @@ def _parts(step: Step) -> list[RawSurface]:
     if not found:
         raise InputError(f"{_named(step.files)}: has no faces; give a surface of triangles")
     for part in found:
-        corners = part.points[part.triangles.ravel()]
-        lost = np.flatnonzero(~np.isfinite(corners).all(axis=1))
+        used = np.zeros(len(part.points), bool)
+        used[part.triangles] = True
+        lost = np.flatnonzero(used & ~np.isfinite(part.points).all(axis=1))
         if len(lost):
-            raise InputError(f"{_named(step.files)}: point {part.triangles.ravel()[lost[0]]} has no finite position")
-        check_numbers(f"{_named(step.files)}: ", "mesh", corners)
+            raise InputError(f"{_named(step.files)}: point {lost[0]} has no finite position")
+        check_numbers(f"{_named(step.files)}: ", "mesh", part.points[used])
     return found
 
 
@@ -129,17 +130,17 @@ def _values(parts: Sequence[RawSurface], taken: Taken, files: Sequence[Path]) ->
         raise InputError(f"{where}: {' and '.join(map(str, taken.arrays))} are at different places; name one place")
     values = joined(carrying, taken.arrays)
     vectors = three_components(values.vectors, taken.arrays, values.points, where)
-    used = np.unique(values.triangles) if taken.arrays[0].location != CELLS else np.arange(len(vectors))
-    bad = used[~np.isfinite(vectors[used]).all(axis=1)]
+    at_cells = taken.arrays[0].location == CELLS
+    used = np.full(len(vectors), at_cells)
+    if not at_cells:
+        used[values.triangles] = True
+        vectors[~used] = 0.0
+    bad = np.flatnonzero(~np.isfinite(vectors).all(axis=1))
     if len(bad):
-        place = "cell" if taken.arrays[0].location == CELLS else "point"
+        element = f"{'cell' if at_cells else 'point'} {bad[0]}"
         raise InputError(
-            f"{where}: the vector of {place} {bad[0]} is not finite ({len(bad)} of {len(used)} are not); repair it"
+            f"{where}: the vector of {element} is not finite ({len(bad)} of {used.sum()} are not); repair it"
         )
-    if taken.arrays[0].location != CELLS:
-        unused = np.ones(len(vectors), bool)
-        unused[used] = False
-        vectors[unused] = 0.0
     return Values(values.points, values.triangles, vectors)
 
 

@@ -25,6 +25,8 @@ NORMAL = 0.02
 UNIT_NORMAL = 0.15
 #: How three scalars are named that are the components of one vector.
 TRIPLES = ("xyz", "uvw", "012", "123", "ijk")
+#: What graphics programs keep in three numbers.
+NO_VECTORS = re.compile(r"^(.*colou?rs?|rgba?|tcoords?|t?ex(ture)?[ _]?coord(inate)?s?|uvw?s?)$", re.IGNORECASE)
 NAMED_NORMALS = re.compile(r"^(point|cell|vertex|face|surface|obj)?[ _:]*(normals?|vn|nxnynz|n)_?$", re.IGNORECASE)
 
 
@@ -44,25 +46,34 @@ def field_arrays(parts: Sequence[RawSurface], vector: str | None, where: str) ->
         both = [a for a in taken if a.location != CELLS and any(_same_name(a, b) for b in choices)]
         notes = tuple(f"{array.name} is at cells too, cells:{array.name} takes those" for array in both)
         return Taken(taken, notes)
-    found = candidates(choices)
+    found = candidates(parts)
     if not found:
         raise NoFieldError(f"{where}: has no vector; {_what_there_is(choices)}")
+    if len(found) == 1:
+        return Taken(found[0])
     flowing = [arrays for arrays in found if not is_normal(parts, arrays)]
     if not flowing:
         raise NoFieldError(f"{where}: {normal_fault(found[0], choices)}")
     likely = [arrays for arrays in flowing if not _named_normal(arrays)] or flowing
     if len(likely) > 1:
         raise NoFieldError(f"{where}: which array is the field? choose with --vector from: {listed(choices)}")
-    (taken,) = likely
-    notes = () if len(found) == 1 else (f"{listed(taken)} taken, the other vectors are normals",)
-    return Taken(taken, notes)
+    return Taken(likely[0], (f"{listed(likely[0])} taken, the other vectors are normals",))
 
 
-def candidates(choices: Sequence[ArrayInfo]) -> list[Arrays]:
-    """Vectors, and three scalars whose names differ in x, y, z; of equal names those at points."""
+def candidates(parts: Sequence[RawSurface]) -> list[Arrays]:
+    """Vectors, and three scalars whose names differ in x, y, z; of equal names those at points. Whole numbers, colours,
+    texture coordinates and copies of the positions have to be named."""
+    choices = offered(parts)
     at_points = {array.name for array in choices if array.location != CELLS}
     distinct = [array for array in choices if array.location != CELLS or array.name not in at_points]
-    return [(array,) for array in distinct if array.components == 3] + _triples(distinct)
+    plausible = [array for array in distinct if all(_may_flow(part, array) for part in parts if part.has((array,)))]
+    return [(array,) for array in plausible if array.components == 3] + _triples(plausible)
+
+
+def _may_flow(part: RawSurface, array: ArrayInfo) -> bool:
+    values = (part.cell_data if array.location == CELLS else part.point_data)[array.name]
+    copied = values.shape == part.points.shape and np.array_equal(values, part.points)
+    return values.dtype.kind == "f" and not copied and not NO_VECTORS.match(array.name)
 
 
 def _triples(choices: Sequence[ArrayInfo]) -> list[Arrays]:
@@ -121,7 +132,7 @@ def three_components(vectors: np.ndarray, arrays: Arrays, points: np.ndarray, wh
 def _what_there_is(choices: Sequence[ArrayInfo]) -> str:
     if not choices:
         return "it is a mesh without data"
-    return f"name three components with --vector X,Y,Z from: {listed(choices)}"
+    return f"name one, or three components, with --vector from: {listed(choices)}"
 
 
 def _same_name(array: ArrayInfo, other: ArrayInfo) -> bool:

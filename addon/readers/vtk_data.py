@@ -101,7 +101,7 @@ def surface_part(data: Any, name: str, where: str) -> RawSurface:
     corners = np.diff(_ends(polygons.GetPolys()))
     wanted = int((corners - 2).sum() + (np.diff(_ends(polygons.GetStrips())) - 2).sum())
     dropped = wanted - len(triangles)
-    if dropped > _edges_without_length(polygons):
+    if dropped > 0 and dropped > _edges_without_length(polygons):
         raise InputError(f"{where}: {dropped} triangles of polygons that cross themselves are missing; repair those")
     other = int((corners > 3).sum()) + polygons.GetNumberOfStrips()
     changes |= {"polygons or strips cut into triangles": other, "faces without area dropped": dropped}
@@ -121,7 +121,7 @@ def surface_part(data: Any, name: str, where: str) -> RawSurface:
 def _polygons(data: Any) -> tuple[Any, dict[str, int], bool]:
     """vtkPolyData of the surface of a data set, what was done for it, and whether it is the outside of a volume."""
     if data.IsA("vtkPolyData"):
-        return data, {}, False
+        return _without_lines(data), {}, False
     if not data.IsA("vtkUnstructuredGrid"):
         volume = data.GetNumberOfCells() > 0 and data.GetCell(0).GetCellDimension() == 3
         return (
@@ -145,6 +145,23 @@ def _polygons(data: Any) -> tuple[Any, dict[str, int], bool]:
     cuts = 1 if curved == chosen.sum() else 0
     word = "cells of second order cut" if cuts else "cells of second order taken by their corners"
     return _outside(flat, cuts), changes | {word: curved}, not (dimension == 2).any()
+
+
+def _without_lines(data: Any) -> Any:
+    """Polygons and strips alone, with their data, which come after those of points and lines."""
+    from vtkmodules.vtkCommonDataModel import vtkPolyData
+
+    before = data.GetNumberOfVerts() + data.GetNumberOfLines()
+    if not before:
+        return data
+    kept = vtkPolyData()
+    kept.SetPoints(data.GetPoints())
+    kept.SetPolys(data.GetPolys())
+    kept.SetStrips(data.GetStrips())
+    kept.GetPointData().ShallowCopy(data.GetPointData())
+    values = _arrays(data.GetCellData(), data.GetNumberOfCells())
+    _add_arrays(kept, {}, {name: numbers[before:] for name, numbers in values.items()})
+    return kept
 
 
 def _ends(cells: Any) -> np.ndarray:

@@ -64,12 +64,10 @@ def weld(points: np.ndarray, triangles: np.ndarray, samples: Sequence[np.ndarray
         label = np.where(averaged, near, label)
     corners = label[triangles]
     whole = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
-    used = np.zeros(len(points), bool)
-    used[corners[whole]] = True
+    used = _used(points, corners[whole])
     compact = np.cumsum(used) - 1
     number = np.where(used[label], compact[label], -1)
-    in_file = np.zeros(len(points), bool)
-    in_file[triangles] = True
+    in_file = _used(points, triangles)
     number[~in_file] = -1
     return Welded(
         number=number,
@@ -90,19 +88,29 @@ def coincident(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     length = np.concatenate([np.linalg.norm(points[side[:, 0]] - points[side[:, 1]], axis=1) for side in sides])
     reach = _tolerance(points, triangles, length)
     ends = np.sort(np.concatenate(sides), axis=1)
-    key = ends[:, 0].astype(np.int64) * len(points) + ends[:, 1]
-    _, first, count = np.unique(key, return_index=True, return_counts=True)
-    candidates = np.unique(np.concatenate([ends[first[count == 1]].ravel(), ends[length <= reach].ravel()]))
+    candidate = np.zeros(len(points), bool)
+    candidate[ends[length <= reach]] = True
+    key = np.sort(ends[:, 0].astype(np.int64) * len(points) + ends[:, 1])
+    new = np.concatenate([[True], key[1:] != key[:-1], [True]])
+    for end in divmod(key[new[:-1] & new[1:]], len(points)):  # edges of one face alone
+        candidate[end] = True
+    candidates = np.flatnonzero(candidate)
     label = np.arange(len(points))
     label[candidates] = candidates[_clusters(points[candidates], reach)]
     return label
 
 
 def _tolerance(points: np.ndarray, triangles: np.ndarray, length: np.ndarray) -> float:
-    used = points[np.unique(triangles)]
+    used = points[_used(points, triangles)]
     size = float(np.linalg.norm(np.ptp(used, axis=0)))
     rounding = 4.0 * float(np.finfo(points.dtype).eps) * float(np.abs(used).max())
     return min(max(OF_SIZE * size, rounding), OF_EDGE * float(np.median(length)))
+
+
+def _used(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    used = np.zeros(len(points), bool)
+    used[triangles] = True
+    return used
 
 
 def _clusters(points: np.ndarray, reach: float) -> np.ndarray:

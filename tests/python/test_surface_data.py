@@ -125,6 +125,41 @@ def test_three_scalars_are_a_vector(capsys, tmp_path, names):
     assert_right(analysis(capsys, path, "--vector", ",".join(names)))
 
 
+def test_colours_texture_coordinates_numbers_and_copies_of_positions_are_taken_by_name_only(capsys, tmp_path):
+    other = {
+        "Colors": np.abs(WSS) / np.abs(WSS).max(),
+        "Texture Coordinates": np.abs(POINTS),
+        "ids": np.arange(3 * len(POINTS)).reshape(-1, 3),
+        "coordinates": POINTS + 5.0,
+    }
+    alone = write_vtk(tmp_path / "no.vtp", poly_data(POINTS + 5.0, TRIANGLES, other))
+    line = refused(capsys, "analyze", alone, "--json", "-")
+    assert "has no vector" in line and "Colors (points, 3 components)" in line
+    both = write_vtk(tmp_path / "w.vtp", poly_data(POINTS + 5.0, TRIANGLES, other | {"WSS": WSS}))
+    assert kinds(analysis(capsys, both)) == KINDS
+    assert run(capsys, "analyze", alone, "--vector", "Colors", "--json", "-")[0] == 0
+
+
+def test_points_and_lines_beside_the_faces_do_not_shift_the_data_of_cells(capsys, tmp_path):
+    data = with_data(vtkPolyData(), POINTS)
+    data.SetVerts(cells_of([[0], [1]]))
+    data.SetLines(cells_of([[0, 1], [1, 2, 3]]))
+    data.SetPolys(cells_of(list(TRIANGLES)))
+    values = with_data(vtkPolyData(), POINTS, {}, {"WSS": np.concatenate([np.full((4, 3), 99.0), flow(CENTRES)])})
+    data.GetCellData().ShallowCopy(values.GetCellData())
+    assert_right(analysis(capsys, write_vtk(tmp_path / "a.vtp", data)))
+
+
+def test_vtkhdf(capsys, tmp_path):
+    from vtkmodules.vtkIOHDF import vtkHDFWriter
+
+    writer = vtkHDFWriter()
+    writer.SetFileName(str(tmp_path / "a.vtkhdf"))
+    writer.SetInputData(poly_data(POINTS, TRIANGLES, {"WSS": WSS}))
+    writer.Write()
+    assert_right(analysis(capsys, tmp_path / "a.vtkhdf"))
+
+
 def test_a_name_may_hold_commas_and_two_vectors_are_asked_for(capsys, tmp_path):
     name = "Velocity, mean (m/s)"
     path = write_mesh(tmp_path / "a.vtu", POINTS, TRIANGLES, point_data={name: WSS, "other": -WSS})
@@ -199,7 +234,7 @@ def test_normals_of_an_obj(capsys, tmp_path):
 def test_normals_of_cells_and_of_split_points(capsys, tmp_path):
     split = POINTS[TRIANGLES].reshape(-1, 3)
     each = np.arange(len(split)).reshape(-1, 3)
-    path = write_mesh(tmp_path / "s.vtu", split, each, point_data={"data": split.copy()})
+    path = write_mesh(tmp_path / "s.vtu", split, each, point_data={"data": 2 * split})
     assert "normals are no field" in refused(capsys, "analyze", path, "--json", "-")
     path = write_mesh(tmp_path / "c.vtu", POINTS, TRIANGLES, cell_data={"data": CENTRES})
     assert "normals are no field" in refused(capsys, "analyze", path, "--json", "-")
