@@ -18,13 +18,7 @@ double oppositeCotangent(const TriangleMesh& mesh, Index h) {
 
 std::vector<double> edgeWeights(const TriangleMesh& mesh) {
   std::vector<double> weights(mesh.edgeCount());
-  for (Index e = 0; e < mesh.edgeCount(); ++e) {
-    const Index h = mesh.edgeHalfedge(e);
-    double w = oppositeCotangent(mesh, h);
-    if (mesh.twin(h) != kNone) w += oppositeCotangent(mesh, mesh.twin(h));
-    w *= 0.5;
-    weights[e] = w < kMinWeight ? 0.0 : std::min(w, kMaxWeight);
-  }
+  for (Index e = 0; e < mesh.edgeCount(); ++e) weights[e] = edgeWeight(mesh, e);
   return weights;
 }
 
@@ -61,6 +55,14 @@ std::vector<Index> mortonOrder(const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+double edgeWeight(const TriangleMesh& mesh, Index e) {
+  const Index h = mesh.edgeHalfedge(e);
+  double w = oppositeCotangent(mesh, h);
+  if (mesh.twin(h) != kNone) w += oppositeCotangent(mesh, mesh.twin(h));
+  w *= 0.5;
+  return w < kMinWeight ? 0.0 : std::min(w, kMaxWeight);
+}
 
 ConnectionLaplacian connectionLaplacian(const VertexCharts& charts) {
   const TriangleMesh& mesh = charts.mesh();

@@ -23,5 +23,7 @@ struct ConnectionLaplacian {
 };
 
 ConnectionLaplacian connectionLaplacian(const VertexCharts& charts);
+/// w_e above, >= 0.
+double edgeWeight(const TriangleMesh& mesh, Index e);
 
 }  // namespace stormfield

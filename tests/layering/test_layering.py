@@ -22,12 +22,13 @@ NATIVE = {
     "streamlines": ["base", "mesh", "field", "tracing", "maps", "topology"],
     "tracking": ["base", "mesh", "field", "tracing", "maps", "topology"],
     "solver": ["base", "mesh", "field"],
+    "edit": ["base", "mesh", "field", "tracing", "maps", "morse", "topology", "solver"],
     "design": ["base", "mesh", "field", "tracing", "solver"],
     "texture": ["base", "mesh", "field", "tracing"],
     "io": ["base", "mesh", "field"],
     "bindings": [
         *["base", "mesh", "field", "tracing", "maps", "morse", "topology", "streamlines", "tracking"],
-        *["solver", "design", "texture", "io"],
+        *["solver", "edit", "design", "texture", "io"],
     ],
 }
 
