@@ -1069,3 +1069,68 @@ def test_grib_with_kinds_of_levels(tmp_path):
         read_field(path, Choice(vector="u,v"))
     read = read_field(path, Choice(vector="u,v", level="850"))
     assert_is(read, storm(-42.0, 60.0), 0.3, 2)
+
+
+def test_era5_as_the_climate_data_store_writes_it(tmp_path):
+    """valid_time, number of one member, expver as words along the times, packed, standard names unknown."""
+    winds = [storm(15.0 + 5.0 * k, 315.0 - 7.5 * k) for k in range(5)]
+    data = field(winds, *grid(2.0)).rename(time="valid_time")
+    for name in ("u10", "v10"):
+        data[name].attrs = {"units": "m s**-1", "standard_name": "unknown", "GRIB_paramId": 165, "long_name": f"{name}"}
+    data["valid_time"] = (
+        "valid_time",
+        21600 * np.arange(5),
+        {"units": "seconds since 1970-01-01", "standard_name": "time"},
+    )
+    data = data.assign_coords(number=0, expver=("valid_time", ["0001", "0001", "0001", "0005", "0005"]))
+    packing = {"dtype": "int16", "scale_factor": 0.002, "add_offset": 0.0, "_FillValue": -32768}
+    read = read_field(written(tmp_path, data, encoding={"u10": packing, "v10": packing}))
+    assert read.read.times[-1] == "1970-01-02T00:00:00"
+    for j, wind in enumerate(winds):
+        assert_is(read, wind, 0.1, j)
+
+
+def test_the_valid_time_of_a_chosen_lead_is_the_time(tmp_path):
+    data = xarray.concat([field([storm(15.0 + k, 300.0) for k in range(2)], *grid(5.0))] * 2, "step")
+    data = data.assign_coords(step=("step", [0.0, 6.0], {"units": "hours", "standard_name": "forecast_period"}))
+    data["time"] = (
+        "time",
+        [0.0, 24.0],
+        {"units": "hours since 2020-01-01", "standard_name": "forecast_reference_time"},
+    )
+    valid = data.time.values[:, None] + data.step.values[None]
+    data = data.assign_coords(
+        valid_time=(("time", "step"), valid, {"units": "hours since 2020-01-01", "standard_name": "time"})
+    )
+    read = read_field(written(tmp_path, data), Choice(at=(("step", "6"),)))
+    assert read.read.times == ("2020-01-01T06:00:00", "2020-01-02T06:00:00")
+
+
+@pytest.mark.parametrize(("value", "words"), [(1e200, "cannot be computed"), (0.0, "zero everywhere")])
+def test_numbers_that_cannot_be_computed_with_are_refused(tmp_path, value, words):
+    latitude, longitude = grid(10.0)
+    attrs = {"units": "N m-2"}
+    data = field([rotation(AXIS * value)], latitude, longitude, ("latitude", "longitude"), ("taux", "tauy"), attrs)
+    with pytest.raises(InputError, match=words):
+        read_field(written(tmp_path, data))
+
+
+def test_a_rotated_pole_with_true_places(tmp_path):
+    """As CORDEX: rows and columns of another pole, latitude and longitude of each point, eastward winds."""
+    latitude, longitude = displaced()
+    latitude, longitude = latitude[20:40, 20:50], longitude[20:40, 20:50]
+    data = curvilinear(latitude, longitude, rotation(AXIS)).rename(y="rlat", x="rlon")
+    for name, meaning in (("u", "eastward_wind"), ("v", "northward_wind")):
+        data[name].attrs["standard_name"] = meaning
+    data = data.assign_coords(
+        rlat=("rlat", np.arange(20.0), {"units": "degrees", "standard_name": "grid_latitude"}),
+        rlon=("rlon", np.arange(30.0), {"units": "degrees", "standard_name": "grid_longitude"}),
+    )
+    read = read_field(written(tmp_path, data))
+    assert_is(read, rotation(AXIS), 1e-9)
+    assert "taken as" not in said(read)
+
+
+def test_winds_of_the_wrf_near_the_surface_come_before_those_of_levels(tmp_path):
+    data = xarray.merge([wrf(staggered=True), wrf()], compat="override")
+    assert [array.name for array in read_field(written(tmp_path, data)).read.arrays] == ["U10", "V10"]

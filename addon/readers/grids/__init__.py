@@ -45,7 +45,7 @@ def read_grid(path: Path, choice: Choice) -> FieldData:
         grid = find_grid(dataset, pair, where)
         horizontal = _horizontal(variables, pair, grid)
         selection = select(dataset, variables[pair.east], horizontal, choice.by_dimension, where)
-        times, chosen = _times(dataset, selection, choice, where)
+        times, chosen = _times(dataset.isel(selection.fixed), selection, choice, where)
         said = _said(variables, pair)
     components = Components(
         functools.partial(open_grid, path), pair, grid.dims, selection.fixed, selection.over, chosen, said.speed, where

@@ -55,4 +55,4 @@ def _marked(values: np.ndarray, size: np.ndarray, known: np.ndarray) -> np.ndarr
         return np.zeros(values.shape, bool)
     there = size >= largest * (1.0 - 1e-6)
     others = float(np.max(size, initial=0.0, where=np.isfinite(size) & ~known & ~there))
-    return there if there.sum() > 1 and others * CLEAR < largest else np.zeros(values.shape, bool)
+    return there if (there.sum() > 1 or largest >= 1e10) and others * CLEAR < largest else np.zeros(values.shape, bool)

@@ -175,6 +175,7 @@ def _latitude_longitude(dataset, east, north) -> tuple[str, str] | None:
         names = [str(name) for name in dataset.variables if test(str(name), dataset[name])]
         names = [name for name in names if dataset[name].ndim and _lies_on(dataset[name], dims)]
         if east.dims == north.dims:
+            names = [name for name in names if _is_on(dataset[name], east)]
             order = sorted(names, key=lambda name: (name not in own, dataset[name].ndim, name not in shared))
         else:  # a staggered grid: the middle of its cells lies on dimensions of both
             order = sorted(names, key=lambda name: _is_on(dataset[name], east) or _is_on(dataset[name], north))

@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from ...model.errors import InputError
+from ..field_data import check_numbers
 from .components import Pair
 from .missing import undeclared, without_declared
 from .surface import Surface
@@ -93,6 +94,7 @@ class Scan:
 def scan(components: Components) -> Scan:
     """Reads every sample once, one after another."""
     always, ever, zero, first = None, None, None, None
+    largest = np.zeros(1)
     marks: set[float] = set()
     empty: list[int] = []
     kept: list[Sample] | None = []
@@ -106,13 +108,13 @@ def scan(components: Components) -> Scan:
             empty.append(j)
             continue
         calm = (u == 0.0) & (v == 0.0)
+        largest = np.fmax(largest, np.fmax(np.abs(u), np.abs(v)))
         always = present if always is None else always & present
         ever = present if ever is None else ever | present
         zero = calm if zero is None else zero & calm
     if always is None or ever is None or zero is None or first is None:
         raise InputError(f"{components.where}: no value is finite and possible as a speed; nothing is left to analyze")
-    if zero[always].all():
-        raise InputError(f"{components.where}: the field is zero everywhere; choose another with --vector")
+    check_numbers(f"{components.where}: ", "field", np.where(always, largest, 0.0))
     varying = int((ever & ~always).sum())
     samples = components if kept is None else kept
     return Scan(samples, first, always, tuple(sorted(marks)), varying, int(zero.sum()), tuple(empty))
