@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from .. import native
 from ..model.design import Design, Element
+from ..model.manifold import Remarks
 from ..model.words import Json
 
-#: coarse: subdivide; no_element: leave parts out, or fill them; inward: turn the normals.
-DoubtKind = Literal["coarse", "no_element", "inward"]
+#: coarse: subdivide; no_element: leave parts out, or fill them; inward: turn the normals; faults: look at them.
+DoubtKind = Literal["coarse", "no_element", "inward", "faults"]
 #: Edges across a storm's radius: below the first it is said that the mesh is too coarse; the cure gives the second.
 TOO_COARSE, ENOUGH = 2.0, 3.0
 #: Points of an element at which the mesh is looked at.
@@ -35,9 +36,13 @@ class Doubt:
         return asdict(self)
 
 
-def doubts_of(surface: native.TriangleMesh, design: Design, fields: Mapping[str, np.ndarray]) -> list[Doubt]:
-    """fields: (n, 3) vectors by name, each of one λ at which elements act."""
-    found = (_coarse(surface, design), _no_element(surface, fields), _inward(surface))
+def doubts_of(
+    surface: native.TriangleMesh, design: Design, fields: Mapping[str, np.ndarray], remarks: Remarks | None = None
+) -> list[Doubt]:
+    """fields: (n, 3) vectors by name, each of one λ at which elements act. remarks: of the mesh that the surface was
+    made from."""
+    inward = _inward(surface) if remarks is None else _turned(remarks)
+    found = (_coarse(surface, design), _no_element(surface, fields), inward, _faults(remarks))
     return [doubt for doubt in found if doubt is not None]
 
 
@@ -117,6 +122,20 @@ def _inward(surface: native.TriangleMesh) -> Doubt | None:
         else f"The faces of {len(inward)} parts point inward"
     )
     return Doubt("inward", f"{what}, so storms that turn left look as if they turned right", len(inward))
+
+
+def _turned(remarks: Remarks) -> Doubt | None:
+    """Closed parts that pointed inward and were turned for the solve."""
+    if not len(remarks.inward):
+        return None
+    text = "The faces of closed parts point inward; the field is as seen from outside, so that left turns left there"
+    return Doubt("inward", text, len(remarks.inward))
+
+
+def _faults(remarks: Remarks | None) -> Doubt | None:
+    """What of the mesh is no surface."""
+    line = "" if remarks is None else replace(remarks, inward=remarks.inward[:0]).line()
+    return Doubt("faults", f"The solve {line}") if line else None
 
 
 def _is_closed(triangles: np.ndarray) -> bool:

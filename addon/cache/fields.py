@@ -6,9 +6,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from .. import native
+from ..model.design import SolveSettings
+from ..model.manifold import Manifold, manifold
 from ..model.mesh_data import MeshData
 from .field_cache import FieldCache
 from .rotation import rotation
+from .usd import per_polygon
 
 ORIENTATION, ADVECTION, SPEED, STREAM = "sf_orientation", "sf_advection", "sf_speed", "sf_stream"
 ROTATION = "sf_rotation"
@@ -25,11 +28,23 @@ def attributes_of(solution, stream: np.ndarray, index: int) -> dict[str, np.ndar
     mesh = solution.fields["advection"].mesh
     turning = rotation(mesh, vectors[ADVECTION])
     attributes = {**vectors, SPEED: speed, STREAM: stream[index], ROTATION: turning}
-    return {name: np.asarray(values, np.float32) for name, values in attributes.items()}
+    return {name: np.asarray(solution.to_mesh(values), np.float32) for name, values in attributes.items()}
 
 
 def native_mesh(mesh: MeshData):
     return native.TriangleMesh(mesh.vertices, mesh.triangles)
+
+
+def solved_surface(cache: FieldCache, mesh: MeshData) -> Manifold:
+    """The surface in the mesh that the field of a cache lives on."""
+    design = cache.settings.get("design")
+    weld = design.get("settings", {}).get("weld", SolveSettings.weld) if isinstance(design, dict) else 0.0
+    return manifold(mesh, weld)
+
+
+def on_surface(attributes: Mapping[str, np.ndarray], surface: Manifold) -> dict[str, np.ndarray]:
+    """The vertex attributes of a sample at the vertices of the surface."""
+    return {name: surface.to_surface(values) for name, values in attributes.items() if not per_polygon(values)}
 
 
 def field_at(attributes: Mapping[str, np.ndarray], attribute: str, mesh):
@@ -37,7 +52,9 @@ def field_at(attributes: Mapping[str, np.ndarray], attribute: str, mesh):
     return native.VectorField.from_space(mesh, attributes[attribute].astype(np.float64))
 
 
-def parameterized(cache: FieldCache, attribute: str, mesh):
-    """A vector attribute of a λ cache as native.ParameterizedField on the native mesh."""
-    values = mesh.to_tangent(cache.values(attribute).astype(np.float64))
+def parameterized(cache: FieldCache, attribute: str, mesh, surface: Manifold):
+    """A vector attribute of a λ cache as native.ParameterizedField on the native mesh of its surface."""
+    samples = cache.values(attribute)
+    samples = samples if surface.same else samples[:, surface.origin]
+    values = mesh.to_tangent(samples.astype(np.float64))
     return native.ParameterizedField(mesh, cache.lambdas, values)

@@ -129,6 +129,7 @@ class SolveSettings:
     even_speed: float = 0.0
     tolerance: float = 1e-4
     lambda_per_second: float = 1.0
+    weld: float = 1e-5
 
     def check(self) -> None:
         if self.samples < 1:
@@ -137,6 +138,8 @@ class SolveSettings:
             value = getattr(self, what)
             if not (math.isfinite(value) and value > 0):
                 raise InputError(f"settings: {what} is {value:g}: give a number above 0")
+        if not 0.0 <= self.weld <= 0.1:
+            raise InputError(f"settings: weld is {self.weld:g}: give a part of the mesh's size from 0 to 0.1")
         if not 0.0 <= self.even_speed <= 1.0:
             raise InputError(f"settings: even_speed is {self.even_speed:g}: give a number from 0 to 1")
 

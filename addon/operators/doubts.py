@@ -10,7 +10,8 @@ from mathutils import Matrix, Vector
 from .. import native
 from ..analysis.doubts import DoubtKind, parts_without_field
 from ..cache.field_cache import open_cache
-from ..cache.fields import native_mesh
+from ..cache.fields import native_mesh, on_surface
+from ..model.manifold import manifold
 from ..scene.read.active_field import active_field
 from ..scene.read.attached import LAMBDA, attached_folder
 from ..scene.read.mesh import read_mesh
@@ -139,8 +140,9 @@ class STORMFIELD_OT_fill_parts(CureOperator, bpy.types.Operator):
         obj = active_field(context)
         try:
             mesh = read_mesh(obj)
-            surface = native_mesh(mesh)
-            parts = parts_without_field(surface, solved_fields(obj, mesh))
+            found = manifold(mesh, obj.stormfield.solve.weld)
+            surface = native_mesh(found.mesh)
+            parts = parts_without_field(surface, on_surface(solved_fields(obj, mesh), found))
         except (ValueError, OSError, RuntimeError) as fault:
             return report_fault(self, fault)
         for part in parts[:MAX_PARTS]:

@@ -29,6 +29,10 @@ class STORMFIELD_OT_add_field(bpy.types.Operator):
             cls.poll_message_set("Select a mesh: the field lives on its surface")
         elif obj.stormfield.enabled:
             cls.poll_message_set(f"'{obj.name}' has a field already")
+        elif not obj.data.polygons and obj.modifiers:
+            cls.poll_message_set(
+                f"The faces of '{obj.name}' are made by its modifiers; make them its own: Object, Convert, Mesh"
+            )
         elif not obj.data.polygons:
             cls.poll_message_set(f"'{obj.name}' has no faces; a field needs a surface")
         elif not obj.is_editable or obj.library:

@@ -5,7 +5,8 @@ import bpy
 
 from ..analysis.doubts import doubts_of
 from ..bake.lambda_cache import solve_steps
-from ..cache.fields import native_mesh
+from ..cache.fields import native_mesh, on_surface
+from ..model.manifold import manifold
 from ..scene.read import folders
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
@@ -43,10 +44,12 @@ class SolvingOperator(JobOperator):
     def _tell_doubts(self, obj):
         """Keep for the panel, and say, what the artist should know of the result."""
         mesh, design = self._solves
-        found = doubts_of(native_mesh(mesh), design, solved_fields(obj, mesh))
+        surface = manifold(mesh, design.settings.weld)
+        fields = on_surface(solved_fields(obj, mesh), surface)
+        found = doubts_of(native_mesh(surface.mesh), design, fields, surface.remarks)
         doubts.keep(obj, found)
         for doubt in doubts.read(obj):
-            if doubt.kind != "no_element":  # which the solver has told already
+            if doubt.kind not in {"no_element", "faults"}:  # which the solver has told already
                 self.report({"WARNING"}, doubt.text)
 
 

@@ -46,6 +46,17 @@ class SolveProperties(bpy.types.PropertyGroup):
         precision=6,
         step=0.01,
     )
+    weld: FloatProperty(
+        name="Join Seams",
+        description="Border vertices within this distance are solved as one, so that the field crosses seams and split "
+        "faces (part of the object's size, no unit); 0 keeps them apart, as islands. The mesh itself stays as it is",
+        min=0.0,
+        max=0.1,
+        soft_max=0.01,
+        default=DEFAULTS.weld,
+        precision=6,
+        step=0.01,
+    )
     keep_solver: BoolProperty(
         name="Keep Solver",
         description="Keep the solver's state between edits (some 40 bytes per vertex and λ sample): solving again "

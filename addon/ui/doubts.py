@@ -10,6 +10,7 @@ from .panel_parts import text_lines
 CURES = {
     "coarse": (("stormfield.subdivide_mesh", "MOD_SUBSURF"),),
     "no_element": (("stormfield.fill_parts", "ADD"), ("stormfield.leave_out_parts", "HIDE_ON")),
+    "faults": (("stormfield.select_faults", "RESTRICT_SELECT_OFF"),),
     "inward": (("stormfield.fix_normals", "NORMALS_FACE"),),
 }
 

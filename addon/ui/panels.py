@@ -122,6 +122,7 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         column.prop(settings, "lambda_weight")
         column.prop(settings, "samples")
         column.prop(settings, "tolerance")
+        column.prop(settings, "weld")
         column.prop(settings, "keep_solver")
         file = attached_file(obj, LAMBDA)
         if file is not None and not file.exists():

@@ -53,7 +53,7 @@ def write_cache(folder, mesh, polygons, field, lambdas=LAMBDAS):
 
 
 def samples(cache, mesh, polygons, settings=None):
-    morse = MorseSamples(cache, fields.native_mesh(mesh), settings or MorseSettings())
+    morse = MorseSamples(cache, mesh, settings or MorseSettings())
     return [run(morse.steps(j, polygons)) for j in range(len(cache.lambdas))]
 
 

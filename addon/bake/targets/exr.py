@@ -60,7 +60,7 @@ class FlowMaps(FrameFiles["native.FlowMap", np.ndarray]):
 
     def _start_shared(self, mesh: native.TriangleMesh) -> native.FlowMapJob:
         size, margin = self._task.exr.resolution, self._task.exr.margin
-        return native.start_flow_map(mesh, self._task.mesh.uv_layers[self._layer], size, size, margin)
+        return native.start_flow_map(mesh, self._surface.mesh.uv_layers[self._layer], size, size, margin)
 
     def _make(
         self, shared: native.FlowMap, sample: dict[str, np.ndarray], mesh: native.TriangleMesh, message: str

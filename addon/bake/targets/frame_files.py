@@ -66,7 +66,8 @@ class FrameFiles(Generic[Shared, Content]):
 
     def write(self, samples: list[int]) -> Steps[list[str]]:
         yield Step(0.0, self.preparing)
-        mesh = fields.native_mesh(self._task.mesh)
+        self._surface = fields.solved_surface(self._cache, self._task.mesh)
+        mesh = fields.native_mesh(self._surface.mesh)
         # What all frames share counts as one frame more.
         frames = len(samples) + 1
         shared = yield from result_of(self._start_shared(mesh), 0.0, self.preparing, 1.0 / frames)
@@ -80,7 +81,8 @@ class FrameFiles(Generic[Shared, Content]):
         lam, made = self._task.lambdas[index], between(start, end, MADE)
         message = f"{self.making} of frame {self._task.frames[index]}"
         yield Step(start, message)
-        content = yield from scaled(self._make(shared, self._cache.at(lam), mesh, message), start, made)
+        sample = fields.on_surface(self._cache.at(lam), self._surface)
+        content = yield from scaled(self._make(shared, sample, mesh, message), start, made)
         write = partial(self._write, shared, content, lam)
         with contextlib.closing(self._store.write_in_steps(index, write)) as fractions:
             for fraction in fractions:

@@ -61,13 +61,15 @@ class FlowingTexture:
 
     def write(self, samples: list[int]) -> Steps[list[str]]:
         yield Step(0.0, "Reading the field")
-        mesh = fields.native_mesh(self._task.mesh)
-        coordinates = FlowCoordinates(fields.parameterized(self._cache, fields.ADVECTION, mesh), self._task)
+        surface = fields.solved_surface(self._cache, self._task.mesh)
+        mesh = fields.native_mesh(surface.mesh)
+        coordinates = FlowCoordinates(fields.parameterized(self._cache, fields.ADVECTION, mesh, surface), self._task)
         for done, index in enumerate(samples):
             message = f"Carrying texture to frame {self._task.frames[index]}"
             start, end = done / len(samples), (done + 1) / len(samples)
             found = yield from result_of(coordinates.start(index), start, message, end)
-            self._writer.write_sample(index, coordinates.attributes_of(found))
+            attributes = coordinates.attributes_of(found)
+            self._writer.write_sample(index, {name: surface.to_mesh(values) for name, values in attributes.items()})
         return []
 
     def absent(self) -> list[str]:

@@ -6,7 +6,7 @@ vertex, and the sets of the geometry-based map of that error bound (native/morse
 field in between. So only sets inside the same enclosure can be one set before and after: of these, first those of the
 same kind, then those that share most of their area, then the nearest. A set without a predecessor gets a new number.
 
-    morse = MorseSamples(cache, mesh, settings)          # native mesh, task.MorseSettings
+    morse = MorseSamples(cache, mesh, settings)          # MeshData, task.MorseSettings
     for j in range(len(cache.lambdas)):                  # in this order: numbers continue from the last sample
         attributes = run(morse.steps(j, polygons))
 """
@@ -24,6 +24,7 @@ from ... import native
 from ...cache import fields
 from ...cache.field_cache import FieldCache, FieldCacheWriter
 from ...cache.plan import MeshIdentity, Plan
+from ...model.mesh_data import MeshData
 from ...model.polygons import Polygons
 from ...model.words import MorseOptions
 from ...work import Steps, result_of, scaled
@@ -67,7 +68,7 @@ class MorseCache:
         return self._writer.missing(among)
 
     def write(self, samples: list[int]) -> Steps[list[str]]:
-        morse = MorseSamples(self._cache, fields.native_mesh(self._task.mesh), self._task.morse)
+        morse = MorseSamples(self._cache, self._task.mesh, self._task.morse)
         # Numbers continue from sample to sample: those before a missing one are found again.
         count = samples[-1] + 1
         for j in range(count):
@@ -94,15 +95,21 @@ class Sets:
 
 
 class MorseSamples:
-    def __init__(self, cache: FieldCache, mesh: native.TriangleMesh, settings: MorseSettings):
-        self._cache, self._mesh, self._settings = cache, mesh, settings
-        self._areas, self._centres = mesh.face_areas, mesh.vertices[mesh.triangles].mean(axis=1)
+    def __init__(self, cache: FieldCache, mesh: MeshData, settings: MorseSettings):
+        self._cache, self._settings = cache, settings
+        self._surface = fields.solved_surface(cache, mesh)
+        self._triangles = len(mesh.triangles)
+        self._mesh = fields.native_mesh(self._surface.mesh)
+        self._areas = self._mesh.face_areas
+        self._centres = self._mesh.vertices[self._mesh.triangles].mean(axis=1)
         self._last: tuple[native.VectorField, Sets] | None = None
         self._count = 0
 
     def steps(self, index: int, polygons: Polygons, message: str = "") -> Steps[dict[str, np.ndarray]]:
         """The attributes of sample `index`, int32 per polygon. Raises InputError where the settings cannot be used."""
-        field = fields.field_at(self._cache.sample(index), self._settings.attribute, self._mesh)
+        field = fields.field_at(
+            fields.on_surface(self._cache.sample(index), self._surface), self._settings.attribute, self._mesh
+        )
         of, kinds = np.full(len(self._areas), -1, np.int32), np.empty(0, np.int32)
         if np.any(field.values):  # a field that is zero everywhere has no sets
             options: MorseOptions = {**self._settings.options(), "persistence": False}
@@ -122,8 +129,17 @@ class MorseSamples:
         self._count += len(fresh)
         self._last = field, Sets(of, kinds, numbers)
         return {
-            name: polygons.of_triangle_values(_at(values, of)) for name, values in ((MORSE, numbers), (KIND, kinds))
+            name: polygons.of_triangle_values(self._of_mesh(_at(values, of)))
+            for name, values in ((MORSE, numbers), (KIND, kinds))
         }
+
+    def _of_mesh(self, values: np.ndarray) -> np.ndarray:
+        """Values of the surface's triangles for those of the mesh, -1 where it has none."""
+        if self._surface.same:
+            return values
+        all_values = np.full(self._triangles, -1, np.int32)
+        all_values[self._surface.triangles] = values
+        return all_values
 
 
 def continued(before: Sets, after: Sets, around: np.ndarray, areas: np.ndarray, centres: np.ndarray) -> np.ndarray:

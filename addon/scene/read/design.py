@@ -60,6 +60,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
             lambda_weight=settings.lambda_weight,
             even_speed=settings.even_speed,
             tolerance=settings.tolerance,
+            weld=settings.weld,
             lambda_per_second=lambda_per_second(context.scene, obj),
         ),
     )

@@ -22,7 +22,7 @@ PUBLIC = (
     "readers/__init__.py",
     "readers/field_data.py",
     "work.py",
-    "solve.py",
+    "solve/__init__.py",
     "cache/field_cache.py",
     "bake/lambda_cache.py",
     "bake/task.py",

@@ -14,9 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import native
-from .model.design import FIELDS, Design, Element, FieldName
-from .model.mesh_data import MeshData
+from .. import native
+from ..model.design import FIELDS, Design, Element, FieldName
+from ..model.manifold import manifold
+from ..model.mesh_data import MeshData
+from .carried import Carried
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +30,11 @@ class Solution:
     fingerprint: str  #: of the mesh
     notes: tuple[str, ...] = ()  #: what the artist should know: components of the mesh without field
     iterations: Mapping[FieldName, int] | None = None
+    carried: Carried | None = None  #: from the surface that was solved to the mesh; None where they are the same
+
+    def to_mesh(self, values: np.ndarray) -> np.ndarray:
+        """(k, …) at the vertices of the fields' surface → (n, …) at those of the mesh."""
+        return values if self.carried is None else self.carried.to_mesh(values)
 
 
 class SolverState:
@@ -40,6 +47,7 @@ class SolverState:
     def __init__(self) -> None:
         self._native: native.SolverState | None = None
         self._mesh: native.TriangleMesh | None = None
+        self._surface: MeshData | None = None
         self._fingerprint = ""
 
     def holds(self, mesh: MeshData) -> bool:
@@ -48,14 +56,17 @@ class SolverState:
 
     def clear(self) -> None:
         """Give the memory back."""
-        self._native = self._mesh = None
+        self._native = self._mesh = self._surface = None
 
-    def of(self, mesh: MeshData) -> tuple[native.TriangleMesh, native.SolverState]:
-        """The native mesh and state for a solve on `mesh`, new ones where this state is of another mesh."""
-        if self._native is None or self._mesh is None or not self.holds(mesh):
+    def of(self, mesh: MeshData, surface: MeshData) -> tuple[native.TriangleMesh, native.SolverState]:
+        """The native mesh of a surface in `mesh`, and the state for a solve on it; new ones where this state is of
+        another mesh or surface."""
+        known = self._surface
+        same = known is not None and (known is surface or known.fingerprint() == surface.fingerprint())
+        if self._native is None or self._mesh is None or not (same and self.holds(mesh)):
             self._native = native.SolverState()
-            self._mesh = native.TriangleMesh(mesh.vertices, mesh.triangles)
-            self._fingerprint = mesh.fingerprint()
+            self._mesh = native.TriangleMesh(surface.vertices, surface.triangles)
+            self._fingerprint, self._surface = mesh.fingerprint(), surface
         return self._mesh, self._native
 
 
@@ -67,7 +78,8 @@ class SolveJob:
         self._fingerprint = mesh.fingerprint()
         self._solves = _distinct(design)
         native.check()
-        surface, kept = (state or SolverState()).of(mesh)
+        self._manifold = manifold(mesh, design.settings.weld)
+        surface, kept = (state or SolverState()).of(mesh, self._manifold.mesh)
         lists = [[_native_element(element) for element in elements] for _, elements in self._solves]
         for elements in lists:
             native.check_elements(elements)
@@ -102,14 +114,17 @@ class SolveJob:
         solved = self._job.result()
         fields: dict[FieldName, native.ParameterizedField] = {}
         iterations: dict[FieldName, int] = {}
-        notes: list[str] = []
+        without: dict[tuple[FieldName, ...], list[int]] = {}
         for (names, _), result in zip(self._solves, solved, strict=True):
             for name in names:
                 fields[name] = result.field
                 iterations[name] = result.iterations
-            notes += _notes(self._mesh, names, result.components_without_constraint)
+            without[names] = result.components_without_constraint
         lambdas = np.array(fields[FIELDS[0]].lambdas)
-        return Solution(lambdas, fields, self._fingerprint, tuple(notes), iterations)
+        carried = Carried(self._manifold, self._mesh, sorted({part for parts in without.values() for part in parts}))
+        notes = [note for names, parts in without.items() if (note := carried.without_field(names, parts))]
+        notes += [line for line in (carried.line(),) if line]
+        return Solution(lambdas, fields, self._fingerprint, tuple(notes), iterations, carried)
 
 
 def start_solve(mesh: MeshData, design: Design, state: SolverState | None = None) -> SolveJob:
@@ -153,16 +168,3 @@ def _native_element(element: Element) -> native.DesignElement:
         direction=element.direction,
         hard=element.hard,
     )
-
-
-def _notes(mesh: native.TriangleMesh, names: tuple[str, ...], components: list[int]) -> list[str]:
-    """Parts that no element reaches: their field is zero."""
-    if not components:
-        return []
-    sizes = np.bincount(np.asarray(mesh.components), minlength=mesh.component_count)
-    which = ", ".join(f"part {component + 1} with {sizes[component]} vertices" for component in components[:4])
-    more = f" and {len(components) - 4} more" if len(components) > 4 else ""
-    field = "" if len(names) == len(FIELDS) else f" of the {names[0]} field"
-    few = f"{len(components)} of {mesh.component_count} parts of the mesh"
-    have = "has" if len(components) == 1 else "have"
-    return [f"{few} {have} no element{field}, so nothing flows there ({which}{more}): add an element, or leave it so"]
