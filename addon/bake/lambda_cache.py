@@ -24,11 +24,11 @@ from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
 from ..solve import SolverState, start_solve
 from ..version import VERSION
-from ..work import Step, Steps, between, result_of, scaled
+from ..work import Step, Steps, result_of, scaled
 from .unfinished import unfinished
 
-#: Where the solve ends, the stream functions, and the writing of samples, in the fractions of all steps.
-SOLVE_END, STREAM_END, WRITTEN = 0.75, 0.85, 0.95
+#: Where the solve ends, and where the stream functions do and writing begins, in the fractions of all steps.
+SOLVE_END, STREAM_END = 0.75, 0.85
 #: Setting of a λ cache whose solve started from an earlier solution.
 WARM_STARTED = {"start": "last solution"}
 
@@ -68,12 +68,10 @@ def solve_steps(
         solution = yield from result_of(start_solve(mesh, design, state), 0.0, "Solving", SOLVE_END)
         streams = native.start_stream_functions(solution.fields["advection"])
         stream = yield from result_of(streams, SOLVE_END, "Finding the stream functions", STREAM_END)
-        for done, j in enumerate(missing):
-            notes = solution.notes if done == 0 else ()
-            message = f"Writing sample {j + 1} of {len(lambdas)}"
-            yield Step(between(STREAM_END, WRITTEN, done / len(missing)), message, notes=notes)
-            writer.write_sample(j, fields.attributes_of(solution, stream, j))
-    yield from scaled(writer.finish(), WRITTEN, 1.0)
+        yield Step(STREAM_END, "Writing the samples", notes=solution.notes)
+        samples = (fields.attributes_of(solution, stream, j) for j in range(len(lambdas)))
+        yield from scaled(writer.write_all(samples), STREAM_END, 1.0)
+    yield from scaled(writer.finish(), 1.0, 1.0)
     return target
 
 

@@ -17,6 +17,7 @@ promises, in store.py.
 import itertools
 import os
 from collections.abc import Generator, Iterable, Mapping, Sequence
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,7 @@ from . import usd
 from .layout import MANIFEST, OLD_MESH, OLD_STAGE, STAGE
 from .manifest import Manifest, read_manifest
 from .plan import MeshIdentity, Plan
-from .store import CacheStore, sha256
+from .store import CacheStore, Joint, sha256
 
 Attributes = Mapping[str, np.ndarray]
 
@@ -58,7 +59,8 @@ class _Writer:
         self._polygons = polygons
         self._plan = Plan("usd", axis, tuple(times), MeshIdentity.of(mesh), settings)
         self._time_codes = self._plan.time_codes
-        self._store = CacheStore(folder, self._plan, resume=resume, replace=replace)
+        joint = Joint(STAGE, self._join_samples, self._extract)
+        self._store = CacheStore(folder, self._plan, resume=resume, replace=replace, joint=joint)
 
     @property
     def folder(self) -> Path:
@@ -71,9 +73,8 @@ class _Writer:
     def write_sample(self, index: int, attributes: Attributes) -> None:
         """Arrays per attribute: (n, 3) or (n,), a row per vertex, finite, stored as float32; or integers (f,), one per
         polygon."""
-        for name, values in attributes.items():
-            self._check(index, name, values)
-        self._store.write(index, lambda path: usd.write_sample(path, self._time_codes[index], attributes))
+        checked = self._checked(index, attributes)
+        self._store.write(index, lambda path: usd.write_sample(path, self._time_codes[index], checked))
 
     def absent(self) -> list[str]:
         """Names of the samples that no machine has finished."""
@@ -81,11 +82,28 @@ class _Writer:
 
     def finish(self, *, verify: bool = False) -> Steps[bool]:
         """Joins the samples, then writes the manifest. False while samples are missing. verify: reads them all."""
-        return with_message(self._store.finish({STAGE: self._write_stage}, verify=verify), "Joining the samples")
+        return with_message(self._store.finish(verify=verify), "Joining the samples")
 
-    def _write_stage(self, path: Path) -> Generator[float]:
-        samples = (usd.read_sample(self.folder / name) for name in self._plan.names)
+    def write_all(self, samples: Iterable[Attributes]) -> Steps[None]:
+        """Writes all samples at once, in order, and finishes the cache: the same files as one by one, sooner. Nothing
+        is kept where the steps are closed before their end."""
+        checked = (self._checked(index, attributes) for index, attributes in enumerate(samples))
+        return with_message(self._store.write_all(partial(self._write_stage, checked)), "Writing the samples")
+
+    def _checked(self, index: int, attributes: Attributes) -> Attributes:
+        for name, values in attributes.items():
+            self._check(index, name, values)
+        return attributes
+
+    def _join_samples(self, path: Path) -> Generator[float]:
+        return self._write_stage((usd.read_sample(self.folder / name) for name in self._plan.names), path)
+
+    def _write_stage(self, samples: Iterable[Attributes], path: Path) -> Generator[float]:
         return usd.write_stage(path, self._mesh, self._polygons, self._time_codes, samples)
+
+    def _extract(self, index: int, path: Path) -> None:
+        time_code = self._time_codes[index]
+        usd.write_sample(path, time_code, usd.read_sample(self.folder / STAGE, time_code))
 
     def _check(self, index: int, name: str, values: np.ndarray) -> None:
         count = len(self._mesh.vertices)
@@ -148,7 +166,7 @@ class FrameCacheWriter(_Writer):
 
 
 class FieldCache:
-    """A finished cache, read lazily. Every sample is checked against the manifest when it is read."""
+    """A finished cache, read lazily. Every file is checked against the manifest before it is read."""
 
     def __init__(self, folder: Path, manifest: Manifest):
         self.folder = folder
@@ -193,7 +211,10 @@ class FieldCache:
 
     def sample(self, index: int) -> dict[str, np.ndarray]:
         """Attributes of one sample, float32 per vertex, int32 per polygon."""
-        return usd.read_sample(self._file(self.manifest.plan.names[index]))
+        plan = self.manifest.plan
+        if plan.names[index] in self.manifest.files:  # single samples, in caches of schema 1
+            return usd.read_sample(self._file(plan.names[index]))
+        return usd.read_sample(self._file(STAGE), plan.time_codes[index])
 
     def at(self, time: float) -> dict[str, np.ndarray]:
         """Attributes at λ (or a frame), constant outside, between samples linear; integers as in the sample before."""
@@ -209,6 +230,8 @@ class FieldCache:
 
     def values(self, attribute: str) -> np.ndarray:
         """All samples of one attribute: (s, n, 3) or (s, n)."""
+        if STAGE in self.manifest.files:
+            return usd.read_values(self._file(STAGE), attribute, self.manifest.plan.time_codes)
         return np.stack([self.sample(j)[attribute] for j in range(len(self.manifest.plan.times))])
 
     def _read_mesh(self) -> MeshData:
@@ -225,9 +248,21 @@ class FieldCache:
         path = self.folder / name
         if not path.is_file():
             raise InputError(f"{path}: is missing; resume the bake to write it again")
-        if sha256(path) != self.manifest.files[name]:
+        if _checksum(path, *_version(path)) != self.manifest.files[name]:
             raise InputError(f"{path}: is damaged (its checksum differs from the manifest); resume the bake")
         return path
+
+
+def _version(path: Path) -> tuple[int, int, int, int]:
+    """Changes when the file does."""
+    status = path.stat()
+    return status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns
+
+
+@lru_cache(maxsize=64)
+def _checksum(path: Path, *_version: int) -> str:
+    """SHA-256 of a file, read once for each of its versions."""
+    return sha256(path)
 
 
 def open_cache(folder: str | os.PathLike) -> FieldCache:

@@ -4,10 +4,11 @@
     store = CacheStore(folder, plan, resume=True)     # refuses a foreign mesh, a newer schema, an unwritable folder
     for j in store.missing():
         store.write(j, lambda path: ...)              # temporary name, fsync, checksum, rename
-    store.finish({"field.usdc": lambda path: ...})    # shared files in steps, then manifest.json
+    run(store.finish())                               # the joint, where there is one, then manifest.json
 
 While the bake runs the folder holds plan.json, and next to each finished sample its checksum (NAME.sha256, as sha256sum
-writes it); finish() moves the checksums into the manifest. Several machines may write disjoint samples of one plan into
+writes it); finish() moves the checksums into the manifest. Where samples are joined into one file, their own files are
+then removed; from it they can be made again. Several machines may write disjoint samples of one plan into
 one folder, or into folders that are copied together: the last one to finish writes the manifest, and the bytes do not
 depend on the split. Faults of the disk become one InputError; the file in work is removed, finished samples stay.
 
@@ -25,6 +26,8 @@ import re
 import socket
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -52,17 +55,36 @@ RETRY_PAUSE, RETRIES = 0.1, 25
 PASSING = (5, 32, 33)
 
 
+@dataclass(frozen=True)
+class Joint:
+    """The one file that takes in all samples when they are finished, in place of their own files."""
+
+    name: str
+    write: WriteInSteps  #: joins the files of all samples
+    extract: Callable[[int, Path], object]  #: writes the file of one sample again: the same bytes
+
+
 class CacheStore:
     """Writer of one cache folder.
 
     resume: keep the samples already there; they must come from an equal plan. Otherwise samples of an equal plan are
     kept for other writers but count as missing for this one, and those of another plan are deleted.
     replace: a cache of another mesh, or of other settings when resuming, is deleted instead of refused.
+    joint: None where the samples keep their own files.
     """
 
-    def __init__(self, folder: str | os.PathLike, plan: Plan, *, resume: bool = False, replace: bool = False):
+    def __init__(
+        self,
+        folder: str | os.PathLike,
+        plan: Plan,
+        *,
+        resume: bool = False,
+        replace: bool = False,
+        joint: Joint | None = None,
+    ):
         self.folder = Path(folder)
         self.plan = plan
+        self._joint = joint
         self.names = plan.names
         self._resume = resume
         self._written: set[int] = set()
@@ -70,13 +92,14 @@ class CacheStore:
         found = _existing_plan(self.folder)
         if found is not None and not found.same(plan) and not replace:
             self._check_replaceable(found, resume)
-        with _disk_faults(self.folder):
-            for folder_name in {name.partition("/")[0] for name in self.names}:
-                (self.folder / folder_name).mkdir(parents=True, exist_ok=True)
+        with disk_faults(self.folder):
+            self.folder.mkdir(parents=True, exist_ok=True)
             if found is not None and not found.same(plan):
                 delete_cache(self.folder, keep_folders=True)
             _remove_abandoned(self.folder)
             if self._manifest() is None:
+                for folder_name in {name.partition("/")[0] for name in self.names}:
+                    (self.folder / folder_name).mkdir(exist_ok=True)
                 self._atomic(PLAN, lambda path: _write_text(path, text(plan)))
 
     def missing(self, among: Iterable[int] | None = None) -> list[int]:
@@ -85,12 +108,12 @@ class CacheStore:
         if not self._resume:
             return [j for j in candidates if j not in self._written]
         sums = self._checksums()
-        return [j for j in candidates if not self._intact(self.names[j], sums.get(self.names[j]))]
+        return [j for j in candidates if not self._is_there(self.names[j], sums)]
 
     def write(self, index: int, write_file: WriteFile) -> None:
         """write_file(path) must leave a complete file at path; it gets its name when it is safely on the disk."""
         name = self.names[index]
-        with _disk_faults(self.folder):
+        with disk_faults(self.folder):
             if not self._holds_finished(name):
                 self._reopen()
                 with self._or_written_elsewhere(name):
@@ -102,7 +125,7 @@ class CacheStore:
         """write() in steps: write_file(path) yields the fraction that is written. Closing the generator removes the
         file in work."""
         name = self.names[index]
-        with _disk_faults(self.folder):
+        with disk_faults(self.folder):
             if not self._holds_finished(name):
                 self._reopen()
                 with self._or_written_elsewhere(name):
@@ -112,30 +135,40 @@ class CacheStore:
 
     def absent(self) -> list[str]:
         """Names of the samples that no machine has finished yet, from listings of the folder."""
-        finished = self._manifest() is not None
-        present = {name for parent in {name.rpartition("/")[0] for name in self.names} for name in self._listed(parent)}
-        return [name for name in self.names if name not in present or not (finished or name + CHECKSUM in present)]
+        parents = {"", *(name.rpartition("/")[0] for name in self.names)}
+        present = {name for parent in parents for name in self._listed(parent)}
+        found = self._manifest()
+        if found is not None:
+            return [name for name in self.names if self._holder(name, found) not in present]
+        return [name for name in self.names if name not in present or name + CHECKSUM not in present]
 
-    def finish(self, shared: Mapping[str, WriteInSteps], *, verify: bool = False) -> Generator[float, None, bool]:
-        """Writes the shared files and the manifest in steps; yields the fraction that is done. False (and nothing
-        written) while samples are missing.
+    def write_all(self, write_joint: WriteInSteps) -> Generator[float]:
+        """Writes all samples at once, straight into the joint, and the manifest; yields the fraction that is done.
+        write_joint(path) yields it as well; it leaves the same bytes as a joint of single samples."""
+        with disk_faults(self.folder), self._or_finished_elsewhere():
+            yield from self._join({}, write_joint)
+
+    def finish(self, *, verify: bool = False) -> Generator[float, None, bool]:
+        """Writes the joint and the manifest in steps; yields the fraction that is done. False (and nothing written)
+        while samples are missing.
 
         A sample whose checksum stands next to it is whole: names come last. verify: all are read nevertheless, and one
         that is damaged counts as missing.
         """
-        with _disk_faults(self.folder):
+        with disk_faults(self.folder):
             found = self._manifest()
-            if found is not None and shared.keys() <= found.keys() and self._is_whole(found, verify=verify):
-                self._clean()
+            if found is not None and self._is_joined(found) and self._is_whole(found, verify=verify):
+                self._clean(found)
                 return True
             self._reopen()
             if self.absent():
                 return False
             files = self._checksums()
+            write_joint = None if self._joint is None else self._joint.write
             if verify and not self._all_intact({name: files[name] for name in self.names}):
                 return False
             with self._or_finished_elsewhere():
-                yield from self._join({name: files[name] for name in self.names}, shared)
+                yield from self._join({name: files[name] for name in self.names}, write_joint)
         return True
 
     # Steps ------------------------------------------------------------------------------------------------------------
@@ -190,6 +223,7 @@ class CacheStore:
     def _temporary(self, name: str) -> Iterator[Path]:
         """A path in the folder of that file, removed when the work on it fails or is given up."""
         final = self.folder / name
+        final.parent.mkdir(exist_ok=True)
         temporary = final.with_name(f"{TEMPORARY}{socket.gethostname()}-{os.getpid()}-{final.name}")
         try:
             yield temporary
@@ -213,7 +247,21 @@ class CacheStore:
         if not self._resume:
             return False
         found = self._manifest()
-        return found is not None and self._intact(name, found.get(name))
+        return found is not None and self._is_there(name, found)
+
+    def _is_joined(self, files: Mapping[str, str]) -> bool:
+        return self._joint is None or self._joint.name in files
+
+    def _holder(self, name: str, files: Mapping[str, str]) -> str:
+        """The file of a finished cache that holds a sample."""
+        return self._joint.name if self._joint is not None and name not in files else name
+
+    def _is_there(self, name: str, files: Mapping[str, str]) -> bool:
+        """Whether a sample is whole, in a file of its own or in the joint, which is read once."""
+        holder = self._holder(name, files)
+        if holder == name or holder not in files:
+            return self._intact(name, files.get(name))
+        return self._all_intact({holder: files[holder]})
 
     @contextlib.contextmanager
     def _or_written_elsewhere(self, name: str) -> Iterator[None]:
@@ -221,7 +269,7 @@ class CacheStore:
         try:
             yield
         except FileNotFoundError:
-            if not self._intact(name, self._checksums().get(name)):
+            if not self._is_there(name, self._checksums()):
                 raise
 
     @contextlib.contextmanager
@@ -245,9 +293,12 @@ class CacheStore:
         found = self._manifest()
         if found is None:
             return
-        for name, digest in found.items():
-            if name in self.names:
-                self._write_checksum(name, digest)
+        for index, name in enumerate(self.names):
+            if name in found:
+                self._write_checksum(name, found[name])
+            elif self._joint is not None and self._is_there(name, found):
+                self._atomic(name, partial(self._joint.extract, index), checksum=True)
+        self._verified.clear()
         self._atomic(PLAN, lambda path: _write_text(path, text(self.plan)))
         (self.folder / MANIFEST).unlink()
         _sync(self.folder)
@@ -263,17 +314,20 @@ class CacheStore:
                 sums[name] = (self.folder / (name + CHECKSUM)).read_text().split()[0]
         return sums
 
-    def _join(self, files: dict[str, str], shared: Mapping[str, WriteInSteps]) -> Generator[float]:
-        for name, write_file in shared.items():
-            files[name] = yield from self._atomic_in_steps(name, write_file, checksum=False)
+    def _join(self, files: dict[str, str], write_joint: WriteInSteps | None) -> Generator[float]:
+        """files: the checksums of the samples, which stay where there is no joint."""
+        if self._joint is not None and write_joint is not None:
+            name = self._joint.name
+            files = {name: (yield from self._atomic_in_steps(name, write_joint, checksum=False))}
+            self._verified.add(name)
         for parent in {(self.folder / name).parent for name in files}:
             _sync(parent)
         self._atomic(MANIFEST, lambda path: _write_text(path, text(self.plan, files)))
         _sync(self.folder)
-        self._clean()
+        self._clean(files)
 
     def _is_whole(self, files: Mapping[str, str], *, verify: bool) -> bool:
-        """Whether a finished cache still has all its files: what joins the samples is read, the samples with verify."""
+        """Whether a finished cache still has all its files: the joint is read, single samples with verify."""
         read = {name: digest for name, digest in files.items() if verify or name not in self.names}
         return not self.absent() and self._all_intact(read)
 
@@ -289,12 +343,14 @@ class CacheStore:
         self._verified.add(name)
         return True
 
-    def _clean(self) -> None:
-        """Removes what only a bake in progress needs."""
-        for name in self.names:
-            (self.folder / (name + CHECKSUM)).unlink(missing_ok=True)
+    def _clean(self, files: Mapping[str, str]) -> None:
+        """Removes what only a bake in progress needs, from a finished cache of these files."""
+        for path in _owned(self.folder):
+            if not path.name.startswith(TEMPORARY) and path.relative_to(self.folder).as_posix() not in files:
+                path.unlink(missing_ok=True)
         (self.folder / PLAN).unlink(missing_ok=True)
         _remove_abandoned(self.folder)
+        _remove_empty(self.folder)
 
 
 def rename(temporary: Path, final: Path) -> None:
@@ -322,16 +378,23 @@ def delete_cache(folder: str | os.PathLike, *, keep_folders: bool = False) -> No
     The manifest goes first, so that an interrupted deletion leaves no cache that claims to be whole.
     """
     folder = Path(folder)
-    with _disk_faults(folder):
+    with disk_faults(folder):
         for name in (MANIFEST, *SHARED):
             (folder / name).unlink(missing_ok=True)
         for path in _owned(folder):
             path.unlink(missing_ok=True)
         (folder / PLAN).unlink(missing_ok=True)
         if not keep_folders:
-            for path in (folder / "samples", folder / "frames", folder):
-                with contextlib.suppress(OSError):
-                    path.rmdir()
+            _remove_empty(folder)
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+
+
+def _remove_empty(folder: Path) -> None:
+    """Removes the folders of samples that hold nothing."""
+    for path in (folder / "samples", folder / "frames"):
+        with contextlib.suppress(OSError):
+            path.rmdir()
 
 
 def _owned(folder: Path) -> Iterator[Path]:
@@ -418,7 +481,7 @@ def _sync(path: Path) -> None:
 
 
 @contextlib.contextmanager
-def _disk_faults(folder: Path) -> Iterator[None]:
+def disk_faults(folder: Path) -> Iterator[None]:
     """One clear line for what the disk refuses."""
     try:
         yield

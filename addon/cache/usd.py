@@ -6,8 +6,8 @@ Layout of a cache (names relative to its folder; the λ cache, the frame cache i
     samples/lam_0000.usdc     one time sample of every attribute, as primvars   [frames/frame_0001.usdc]
     field.usdc                /stormfield/mesh: points, the artist's own polygons and all samples; open this one
 
-The samples are what machines write in any order; field.usdc joins them. It names no other file, so whoever packs or
-moves what a .blend file names (Blender itself, farms) has the whole field.
+The samples are what machines write in any order; field.usdc takes them in, and then their own files are removed. It
+names no other file, so whoever packs or moves what a .blend file names (Blender itself, farms) has the whole field.
 
 Time codes are λ · 1000 [the frame]; between samples USD interpolates linearly. Integers belong to polygons and keep
 the value of the sample before; everything else belongs to vertices.
@@ -37,6 +37,7 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -70,16 +71,21 @@ def write_sample(path: Path, time_code: float, attributes: Attributes) -> None:
     _export(layer, path)
 
 
-def read_sample(path: Path) -> dict[str, np.ndarray]:
-    """The attributes of one sample file, bit for bit."""
+def read_sample(path: Path, time_code: float | None = None) -> dict[str, np.ndarray]:
+    """The attributes at one of the time codes of a file, bit for bit; None: of a file with one sample."""
     stage = _open(path)
-    attributes = {}
-    for primvar in usd().UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(PRIM)).GetPrimvars():
-        times = primvar.GetTimeSamples()
-        if times:
-            kind = np.int32 if primvar.GetTypeName() == usd().Sdf.ValueTypeNames.IntArray else np.float32
-            attributes[primvar.GetPrimvarName()] = np.array(primvar.Get(times[0]), kind)
+    attributes: dict[str, np.ndarray] = {}
+    for name, primvar in _sampled(stage).items():
+        found = primvar.Get(primvar.GetTimeSamples()[0] if time_code is None else time_code)
+        attributes[name] = np.array(found, _number(primvar))
     return attributes
+
+
+def read_values(path: Path, name: str, time_codes: Sequence[float]) -> np.ndarray:
+    """One attribute at all time codes, (s, ...). Raises KeyError where there is no such attribute."""
+    stage = _open(path)
+    primvar = _sampled(stage)[name]
+    return np.stack([np.array(primvar.Get(time_code), _number(primvar)) for time_code in time_codes])
 
 
 def write_stage(
@@ -129,6 +135,16 @@ def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
 def per_polygon(values: np.ndarray) -> bool:
     """Whether an attribute has a value for each polygon, and not for each vertex: integers do."""
     return values.dtype.kind == "i"
+
+
+def _sampled(stage) -> dict[str, Any]:
+    """The primvars that have time samples, by name. They live as long as the stage."""
+    primvars = usd().UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(PRIM)).GetPrimvars()
+    return {primvar.GetPrimvarName(): primvar for primvar in primvars if primvar.GetAttr().GetNumTimeSamples()}
+
+
+def _number(primvar) -> type:
+    return np.int32 if primvar.GetTypeName() == usd().Sdf.ValueTypeNames.IntArray else np.float32
 
 
 def _define_mesh(stage, mesh: MeshData, polygons: Polygons | None):
@@ -182,6 +198,8 @@ def _new_stage(extension: str):
 def _open(path: Path):
     """A stage of its own, never one that USD keeps in memory from before the file was replaced."""
     pxr = usd()
+    if not path.is_file():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
     try:
         return pxr.Usd.Stage.Open(pxr.Sdf.Layer.OpenAsAnonymous(str(path)))
     except pxr.Tf.ErrorException as error:
@@ -200,7 +218,7 @@ def _system_errors(path: Path) -> Iterator[None]:
         yield
     except usd().Tf.ErrorException as error:
         message = str(error)
-        for code in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EACCES, errno.EROFS, errno.EPERM):
+        for code in (errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EACCES, errno.EROFS, errno.EPERM):
             if os.strerror(code) in message:
                 raise OSError(code, os.strerror(code), str(path)) from error
         raise OSError(errno.EIO, f"USD could not write it ({message.strip().splitlines()[-1]})", str(path)) from error

@@ -63,7 +63,8 @@ def test_all_targets(file, capfd):
     for target, ending in (("lambda", "usdc"), ("frames", "usdc"), ("exr", "exr"), ("vdb", "vdb")):
         folder = folder_of(file, target)
         assert (folder / "manifest.json").exists()
-        assert len(list(folder.glob(f"*/*.{ending}"))) == (5 if target == "lambda" else 6)
+        files = [path.name for path in folder.rglob(f"*.{ending}")]
+        assert files == ["field.usdc"] if ending == "usdc" else len(files) == 6
 
 
 def test_morse_sets_over_lambda(file, storms):

@@ -121,10 +121,10 @@ def test_a_frame_cache_has_the_frames_as_time_codes(mesh, tmp_path):
     writer = FrameCacheWriter(tmp_path, mesh, range(-1, 3), {})
     for j in writer.missing():
         writer.write_sample(j, {"sf_blend": np.full(len(mesh.vertices), j, np.float32)})
-    assert run(writer.finish())
-    assert sorted(p.name for p in (tmp_path / "frames").iterdir()) == [
+    assert sorted(p.name for p in (tmp_path / "frames").glob("*.usdc")) == [
         "frame_-0001.usdc", "frame_0000.usdc", "frame_0001.usdc", "frame_0002.usdc",
     ]  # fmt: skip
+    assert run(writer.finish())
     stage = usd.usd().Usd.Stage.Open(str(tmp_path / "field.usdc"))
     assert stage.GetPrimAtPath(usd.PRIM).GetAttribute("primvars:sf_blend").Get(1.5)[0] == 2.5
     with pytest.raises(InputError, match="not over λ"):
@@ -190,19 +190,72 @@ def test_without_resume_everything_is_written_again(mesh, baked):
     assert contents(baked) == before
 
 
-@pytest.mark.parametrize("damage", ["truncate", "flip", "delete"])
-def test_a_damaged_sample_is_named_and_resumed(mesh, baked, damage):
-    before = contents(baked)
-    path = baked / "samples/lam_0002.usdc"
+def damage(path, how):
     data = path.read_bytes()
-    if damage == "delete":
+    if how == "delete":
         path.unlink()
     else:
-        path.write_bytes(data[:-50] if damage == "truncate" else data[:200] + bytes([data[200] ^ 1]) + data[201:])
-    with pytest.raises(InputError, match=r"lam_0002\.usdc"):
-        open_cache(baked).sample(2)
-    assert FieldCacheWriter(baked, mesh, LAMBDAS, SETTINGS, resume=True).missing() == [2]
+        path.write_bytes(data[:-50] if how == "truncate" else data[:200] + bytes([data[200] ^ 1]) + data[201:])
+
+
+DAMAGES = pytest.mark.parametrize("how", ["truncate", "flip", "delete"])
+
+
+@DAMAGES
+def test_a_damaged_sample_is_written_again(mesh, baked, tmp_path, how):
+    folder = tmp_path / "stopped"
+    bake(folder, mesh, only={0, 1, 2})
+    damage(folder / "samples/lam_0002.usdc", how)
+    assert FieldCacheWriter(folder, mesh, LAMBDAS, SETTINGS, resume=True).missing() == [2, 3]
+    assert bake(folder, mesh, resume=True)
+    assert contents(folder) == contents(baked)
+
+
+@DAMAGES
+def test_a_damaged_cache_is_refused_and_baked_again(mesh, baked, how):
+    before = contents(baked)
+    open_cache(baked).sample(2)
+    damage(baked / "field.usdc", how)
+    for read in (lambda cache: cache.sample(2), lambda cache: cache.values("sf_speed")):
+        with pytest.raises(InputError, match=r"field\.usdc"):
+            read(open_cache(baked))
+    assert FieldCacheWriter(baked, mesh, LAMBDAS, SETTINGS, resume=True).missing() == [0, 1, 2, 3]
     assert bake(baked, mesh, resume=True)
+    assert contents(baked) == before
+
+
+def test_a_finished_cache_is_two_files(baked):
+    assert set(contents(baked)) == {"field.usdc", "manifest.json"}
+    assert not (baked / "samples").exists()
+
+
+def test_samples_that_are_written_at_once_give_the_same_files(mesh, baked, tmp_path):
+    writer = FieldCacheWriter(tmp_path / "all", mesh, LAMBDAS, SETTINGS)
+    run(writer.write_all(sample(mesh, j) for j in range(len(LAMBDAS))))
+    assert contents(tmp_path / "all") == contents(baked)
+    assert run(writer.finish()) and contents(tmp_path / "all") == contents(baked)
+    bad = sample(mesh, 0) | {"sf_speed": np.full(len(mesh.vertices), np.nan, np.float32)}
+    again = FieldCacheWriter(tmp_path / "bad", mesh, LAMBDAS, SETTINGS)
+    with pytest.raises(InputError, match="sf_speed of sample 1 is not finite"):
+        run(again.write_all([sample(mesh, 0), bad, bad, bad]))
+    assert set(contents(tmp_path / "bad")) == {"plan.json"}
+
+
+def test_writing_at_once_that_is_closed_leaves_nothing(mesh, tmp_path):
+    writer = FieldCacheWriter(tmp_path, mesh, LAMBDAS, SETTINGS)
+    steps = writer.write_all(sample(mesh, j) for j in range(len(LAMBDAS)))
+    next(steps)
+    steps.close()
+    assert set(contents(tmp_path)) == {"plan.json"}
+
+
+def test_a_part_that_is_baked_anew_takes_the_others_out_of_the_finished_cache(mesh, baked):
+    before = contents(baked)
+    writer = FieldCacheWriter(baked, mesh, LAMBDAS, SETTINGS)
+    writer.write_sample(1, sample(mesh, 1))
+    parts = contents(baked)
+    assert {f"samples/lam_{j:04d}.usdc" for j in range(4)} <= parts.keys() and "manifest.json" not in parts
+    assert run(FieldCacheWriter(baked, mesh, LAMBDAS, SETTINGS, resume=True).finish(verify=True))
     assert contents(baked) == before
 
 
@@ -252,19 +305,23 @@ def test_a_file_that_is_no_manifest_is_refused(baked, text):
 
 
 def test_a_cache_of_schema_1_is_read(mesh, baked):
-    """It has value clips, and its mesh in a file of its own."""
-    (baked / "field.usdc").rename(baked / "mesh.usdc")
+    """It has value clips, a file for each sample, and its mesh in a file of its own."""
     manifest = json.loads((baked / "manifest.json").read_text())
     manifest["schema"] = "stormfield.cache/1"
-    manifest["files"]["mesh.usdc"] = manifest["files"].pop("field.usdc")
+    (baked / "field.usdc").rename(baked / "mesh.usdc")
+    (baked / "samples").mkdir()
+    for j, time_code in enumerate(manifest["time_codes"]):
+        usd.write_sample(baked / f"samples/lam_{j:04d}.usdc", time_code, sample(mesh, j))
     for name in ("field.usda", "clips.usda"):
         (baked / name).write_text("#usda 1.0\n")
-        manifest["files"][name] = hashlib.sha256(b"#usda 1.0\n").hexdigest()
+    files = {name: data for name, data in contents(baked).items() if name != "manifest.json"}
+    manifest["files"] = {name: hashlib.sha256(data).hexdigest() for name, data in files.items()}
     (baked / "manifest.json").write_text(json.dumps(manifest))
     for path in (baked, baked / "field.usda"):
         cache = open_cache(path)
         assert cache.mesh.fingerprint() == mesh.fingerprint()
         assert cache.sample(2)["sf_speed"].tobytes() == sample(mesh, 2)["sf_speed"].tobytes()
+        assert np.array_equal(cache.values("sf_speed")[3], sample(mesh, 3)["sf_speed"])
     assert bake(baked, mesh, resume=True)  # brought to today's layout
     assert open_cache(baked).mesh.fingerprint() == mesh.fingerprint() and (baked / "field.usdc").exists()
     delete_cache(baked)
@@ -356,6 +413,7 @@ def test_usd_reports_a_full_disk_as_one_line(tmp_path):
 
 def test_only_files_of_the_cache_are_deleted(mesh, baked, tmp_path):
     (baked / "notes.txt").write_text("mine")
+    (baked / "samples").mkdir()
     (baked / "samples/lam_0001.png").write_text("mine")
     outside = tmp_path / "outside"
     outside.mkdir()

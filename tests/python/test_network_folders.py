@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from stormfield.cache import store, usd
-from stormfield.cache.field_cache import FieldCacheWriter
+from stormfield.cache.field_cache import FieldCacheWriter, open_cache
 from stormfield.model.errors import InputError
 from stormfield.work import run
 from test_cache import LAMBDAS, SETTINGS, bake, contents, grid, sample
@@ -225,22 +225,45 @@ def test_a_lost_answer_to_a_rename_is_no_fault(tmp_path, monkeypatch):
     assert final.read_bytes() == b"content"
 
 
-def test_a_finished_cache_that_lost_what_joins_it_is_joined_again(mesh, expected, tmp_path):
+@pytest.mark.parametrize("damaged", [False, True])
+def test_a_finished_cache_that_lost_its_file_is_not_called_finished(mesh, expected, tmp_path, damaged):
     assert bake(tmp_path, mesh)
     (tmp_path / "field.usdc").unlink()
-    assert run(machine(tmp_path, mesh).finish())
-    assert contents(tmp_path) == expected
-    (tmp_path / "field.usdc").write_bytes(b"damaged")
-    assert run(machine(tmp_path, mesh).finish())
-    assert contents(tmp_path) == expected
-
-
-def test_a_finished_cache_that_lost_a_sample_is_not_called_finished(mesh, expected, tmp_path):
-    assert bake(tmp_path, mesh)
-    (tmp_path / "samples/lam_0001.usdc").unlink()
+    if damaged:
+        (tmp_path / "field.usdc").write_bytes(b"damaged")
     joiner = machine(tmp_path, mesh)
-    assert joiner.absent() == ["samples/lam_0001.usdc"]
     assert not run(joiner.finish())
+    assert joiner.absent() == [f"samples/lam_{j:04d}.usdc" for j in range(len(LAMBDAS))]
     assert not (tmp_path / "manifest.json").exists()  # nobody takes it for whole
     assert bake(tmp_path, mesh, resume=True)
+    assert contents(tmp_path) == expected
+
+
+def test_two_machines_may_join_at_once(mesh, expected, tmp_path, monkeypatch):
+    """The later one finds the samples taken in, and their files removed."""
+    slow, quick = machine(tmp_path, mesh), machine(tmp_path, mesh)
+    write(quick, mesh, range(len(LAMBDAS)))
+    joining = slow.finish()
+    with monkeypatch.context() as elsewhere:
+        elsewhere.setattr(store.socket, "gethostname", lambda: "elsewhere")
+        next(joining)
+    assert run(quick.finish())
+    assert run(joining)
+    assert contents(tmp_path) == expected
+
+
+def test_a_machine_that_dies_while_it_tidies_up_leaves_a_whole_cache(mesh, expected, tmp_path, monkeypatch):
+    writer = machine(tmp_path, mesh)
+    write(writer, mesh, range(len(LAMBDAS)))
+
+    def die(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(store.CacheStore, "_clean", die)
+    with pytest.raises(KeyboardInterrupt):
+        run(writer.finish())
+    monkeypatch.undo()
+    assert open_cache(tmp_path).sample(1).keys() == sample(mesh, 1).keys()
+    assert machine(tmp_path, mesh).missing() == []
+    assert run(machine(tmp_path, mesh).finish())
     assert contents(tmp_path) == expected

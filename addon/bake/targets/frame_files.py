@@ -62,7 +62,7 @@ class FrameFiles(Generic[Shared, Content]):
         return self._store.absent()
 
     def finish(self) -> Steps[bool]:
-        return with_message(self._store.finish({}, verify=self._task.verify), "Finishing the files")
+        return with_message(self._store.finish(verify=self._task.verify), "Finishing the files")
 
     def write(self, samples: list[int]) -> Steps[list[str]]:
         yield Step(0.0, self.preparing)
