@@ -51,6 +51,7 @@ SETTINGS = {
 ELSEWHERE = {
     ("AnalysisProperties", "shown"): "panels/analysis",
     ("AnalysisProperties", "persistence"): "panels/analysis",
+    ("AnalysisProperties", "detail"): "panels/analysis",
 }
 
 

@@ -16,6 +16,7 @@ from .. import native
 from ..model.words import Json
 from .entities import Entity, EntityGraph, EntityKind, Link, Row
 from .no_field import Separatrix, Topology
+from .quiet import is_storm
 
 TITLE = "Entity connection graph"
 
@@ -52,7 +53,12 @@ def entity_graph(topology: Topology, lam: float = 0.0) -> EntityGraph:
                 *named(point.kind),
                 position=np.asarray(point.position),
                 strength=float(np.sqrt(abs(np.linalg.det(point.jacobian)))),
-                info={"index": int(point.index), "rotation": float(point.rotation), "face": int(point.face)},
+                info={
+                    "index": int(point.index),
+                    "rotation": float(point.rotation),
+                    "face": int(point.face),
+                    "storm": is_storm(np.asarray(point.jacobian)),
+                },
             )
         )
     for orbit in topology.periodic_orbits:

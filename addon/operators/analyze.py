@@ -36,10 +36,12 @@ class STORMFIELD_OT_analyze(AnalysisOperator, bpy.types.Operator):
         obj.stormfield.analysis.shown = "ecg"
         points = sum(entity.curve is None for entity in graph.entities)
         orbits = len(graph.entities) - points
+        weak = obj.stormfield.analysis.ecg.weak()
+        hidden = f"; {weak} of them are weaker than the accuracy of the solve and hidden, see Detail" if weak else ""
         self.report(
             {"INFO"},
             f"'{obj.name}' at λ {graph.lam:.3f}: {_count(points, 'fixed point')}, {_count(orbits, 'periodic orbit')}, "
-            f"{_count(len(graph.links), 'link')}",
+            f"{_count(len(graph.links), 'link')}{hidden}",
         )
 
 

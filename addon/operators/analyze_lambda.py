@@ -43,6 +43,9 @@ class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
         report = f"'{obj.name}': {len(tracking.paths)} paths, {events} bifurcations, {markers} timeline markers"
         if hidden:
             report += f"; {hidden} short-lived paths are hidden, see Filter"
+        weak = obj.stormfield.analysis.history.weak()
+        if weak:
+            report += f"; {weak} weak ones are hidden, see Detail"
         if events and not is_keyed(obj):
             report += "; key λ to get markers"
         self.report({"INFO"}, report)

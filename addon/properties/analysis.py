@@ -17,6 +17,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..analysis.quiet import ALWAYS
 from ..scene.write import selection, timeline
 
 #: The three lists, in the order of their tabs: (identifier, label, tooltip, icon, number).
@@ -39,9 +40,9 @@ LISTS = (
 )
 #: Groups of the kind filter; every kind belongs to one of them.
 CATEGORIES = (
-    ("REPELLING", "Repelling", "Sources and repelling orbits: green", "NONE", 1),
+    ("REPELLING", "Repelling", "Sources and repelling orbits: green, dashed lines", "NONE", 1),
     ("SADDLE", "Saddles", "Saddles: blue", "NONE", 2),
-    ("ATTRACTING", "Attracting", "Sinks and attracting orbits: red", "NONE", 4),
+    ("ATTRACTING", "Attracting", "Sinks and attracting orbits: orange, or red in the classic colours", "NONE", 4),
     ("OTHER", "Others", "Centers, degenerate and trivial ones", "NONE", 8),
     ("EVENT", "Bifurcations", "Where fixed points appear or vanish", "NONE", 16),
     ("CHANGE", "Changes", "Where a source becomes a sink or back: often, along the path of a vortex", "NONE", 32),
@@ -63,6 +64,11 @@ def _filtered(self, _context) -> None:
         timeline.update_markers(self.id_data)
 
 
+def _detail_changed(self, _context) -> None:
+    if self.history.made:
+        timeline.update_markers(self.id_data)
+
+
 class EntityItem(bpy.types.PropertyGroup):
     """One entity; its place in the list is its id."""
 
@@ -79,6 +85,11 @@ class EntityItem(bpy.types.PropertyGroup):
     lam_start: FloatProperty(name="λ Start", description="λ where it appears (0..1)")
     lam_end: FloatProperty(name="λ End", description="λ where it vanishes (0..1)")
     faces: IntProperty(name="Faces", description="Faces of a Morse set (count)")
+    weight: FloatProperty(
+        name="Weight", description="How far it stands above the accuracy of a solve (factor)", default=ALWAYS
+    )
+    storm: BoolProperty(name="Storm", description="Whether the flow turns around it")
+    words: StringProperty(name="Words", description="Of a bifurcation: what an artist calls it, as λ grows")
 
 
 class EntityList(bpy.types.PropertyGroup):
@@ -121,12 +132,20 @@ class EntityList(bpy.types.PropertyGroup):
         return self.items[self.active] if 0 <= self.active < len(self.items) else None
 
     def passes(self, item: EntityItem) -> bool:
-        """Whether the filters let it through."""
+        """Whether the filters and Detail let it through."""
+        return self.passes_filters(item) and item.weight >= self.id_data.stormfield.analysis.least_weight
+
+    def passes_filters(self, item: EntityItem) -> bool:
+        """Whether the filters let it through, however weak it is."""
         if category(item.kind) not in self.kinds:
             return False
         if self.min_strength > 0 and item.strength < self.min_strength * self.strongest:
             return False
         return item.life >= self.min_life
+
+    def weak(self) -> int:
+        """How many the filters let through and Detail hides."""
+        return sum(self.passes_filters(item) and not self.passes(item) for item in self.items)
 
 
 class AnalysisProperties(bpy.types.PropertyGroup):
@@ -148,6 +167,16 @@ class AnalysisProperties(bpy.types.PropertyGroup):
         max=1.0,
         default=0.0,
         precision=3,
+    )
+    detail: FloatProperty(
+        name="Detail",
+        description="Hides what may come from the accuracy of the solve and not from the design: at 0.5 what is weaker "
+        "than it, below only what is far stronger stays, at 1 everything shows (0..1)",
+        subtype="FACTOR",
+        min=0.0,
+        max=1.0,
+        default=0.5,
+        update=_detail_changed,
     )
     show: BoolProperty(name="Analysis", description="Draw the analysis in the 3D view", default=True)
     show_separatrices: BoolProperty(
@@ -176,6 +205,11 @@ class AnalysisProperties(bpy.types.PropertyGroup):
         max=1.0,
         default=0.55,
     )
+
+    @property
+    def least_weight(self) -> float:
+        """What weighs less is hidden: a factor of 100 for each half of the slider."""
+        return 0.0 if self.detail >= 1.0 else 10.0 ** (4.0 * (0.5 - self.detail))
 
     def list(self, which: str) -> EntityList:
         return getattr(self, which)

@@ -65,6 +65,9 @@ class LookProperties(bpy.types.PropertyGroup):
     show_fixed_points: BoolProperty(
         name="Fixed Points", description="Mark sources, sinks, saddles and centers at the current λ", default=True
     )
+    legend_folded: BoolProperty(
+        name="Fold Legend", description="Show the first line of the legend only; click it in the view", default=False
+    )
     show_legend: BoolProperty(
         name="Legend", description="Name the colours and count the fixed points in a corner of the view", default=True
     )

@@ -11,14 +11,16 @@ from dataclasses import dataclass, field
 import bpy
 import numpy as np
 
-from ..analysis.colours import KIND_COLOURS
 from ..scene.read import morse_faces, results
 from ..session import morse_preview
-from . import drawing_cache
+from . import drawing_cache, palette
 from .surface import LIFT, Surface, lift
 
 #: Widths of lines over the artist's line width.
 WIDTHS = {results.SEPARATRICES: 1.0, results.ORBITS: 1.7, results.PATHS: 1.8}
+#: Curves that begin at these kinds are dashed, so that patterns differ where colours may not; and a dash's length over
+#: the object's size.
+DASHED, DASH = frozenset({"source", "repelling"}), 0.012
 #: λ nearer than this is the λ that was analyzed.
 SAME_LAM = 5e-4
 
@@ -88,6 +90,7 @@ class AnalysisDrawing:
     entities: list[Mark] = field(default_factory=list)  #: of the graph at its λ
     paths: list["PathDrawing"] = field(default_factory=list)
     faces: Faces | None = None
+    words: dict[str, str] = field(default_factory=dict)  #: by kind of event: "storms merge", where that holds for all
     counts: dict[str, Counter] = field(default_factory=dict)  #: per list, how many of each kind pass the filters
 
 
@@ -115,6 +118,7 @@ def drawing_of(evaluated: bpy.types.Object) -> AnalysisDrawing | None:
     key = (
         preview and preview.version,
         analysis.version,
+        palette.name(),
         *(_filter_key(analysis.list(which)) for which in ("ecg", "history", "mcg")),
     )
     kept = _drawings.get(evaluated.original.session_uid)
@@ -125,7 +129,8 @@ def drawing_of(evaluated: bpy.types.Object) -> AnalysisDrawing | None:
 
 
 def _filter_key(entities) -> tuple:
-    return tuple(sorted(entities.kinds)), entities.min_strength, entities.min_life
+    least = entities.id_data.stormfield.analysis.least_weight
+    return tuple(sorted(entities.kinds)), entities.min_strength, entities.min_life, least
 
 
 def _make(evaluated, surface: Surface, mesh) -> AnalysisDrawing:
@@ -137,12 +142,13 @@ def _make(evaluated, surface: Surface, mesh) -> AnalysisDrawing:
         which: Counter(item.kind for item, keep in zip(analysis.list(which).items, kept, strict=True) if keep)
         for which, kept in shown.items()
     }
+    drawing.words = _words(analysis.history, shown["history"])
     for role, which, names in (
         (results.SEPARATRICES, "ecg", ("source", "target")),
         (results.ORBITS, "ecg", ("entity", "entity")),
         (results.PATHS, "history", ("entity", "entity")),
     ):
-        lines = _lines(obj, role, names, shown[which], surface, mesh)
+        lines = _lines(obj, role, names, analysis.list(which), surface, mesh)
         if lines is not None:
             drawing.lines[role] = lines
     drawing.paths = _paths(obj, analysis.history, shown["history"], surface, mesh)
@@ -152,6 +158,15 @@ def _make(evaluated, surface: Surface, mesh) -> AnalysisDrawing:
     drawing.marks += _marks("mcg", analysis.mcg, shown["mcg"], surface, mesh)
     drawing.faces = _faces(evaluated, surface, analysis.mcg, shown["mcg"])
     return drawing
+
+
+def _words(entities, shown: np.ndarray) -> dict[str, str]:
+    """What artists call events of a kind, where one word holds for all that are shown."""
+    said: dict[str, set[str]] = {}
+    for item, keep in zip(entities.items, shown, strict=True):
+        if keep and item.kind in results.EVENT_KINDS:
+            said.setdefault(item.kind, set()).add(item.words)
+    return {kind: next(iter(words)) for kind, words in said.items() if len(words) == 1}
 
 
 def _passing(entities) -> np.ndarray:
@@ -164,25 +179,50 @@ def _only(shown: np.ndarray, indices) -> np.ndarray:
     return kept
 
 
-def _lines(obj, role: str, names, shown: np.ndarray, surface: Surface, mesh) -> Lines | None:
+def _lines(obj, role: str, names, entities, surface: Surface, mesh) -> Lines | None:
     curves = results.read_curves(obj, role)
-    if not curves or not len(shown):
+    if not curves or not len(entities.items):
         return None
+    shown = _passing(entities)
+    wanted = np.array([entities.passes_filters(item) for item in entities.items], bool)
     owners = np.stack([results.read_attribute(obj, role, name) for name in names], axis=1)
-    colours = np.split(results.read_attribute(obj, role, "colour"), np.cumsum([len(c) for c in curves])[:-1])
-    raised = np.split(lift(np.concatenate(curves), surface, mesh)[0], np.cumsum([len(c) for c in curves])[:-1])
-    ends, tints, entities = [], [], []
-    for points, tint, owner in zip(raised, colours, owners, strict=True):
-        if not shown[owner[0]] or not shown[owner[1]]:
+    cuts = np.cumsum([len(c) for c in curves])[:-1]
+    stored = np.split(results.read_attribute(obj, role, "colour"), cuts)
+    raised = np.split(lift(np.concatenate(curves), surface, mesh)[0], cuts)
+    ends, tints, belong = [], [], []
+    for points, tint, owner in zip(raised, stored, owners, strict=True):
+        # A separatrix may end at an orbit that is hidden because it is weak: its saddle is not.
+        if not wanted[owner].all() or not shown[owner].any():
             continue
+        kinds = [entities.items[int(i)].kind for i in owner]
         if role == results.ORBITS:
-            points, tint = np.r_[points, points[:1]], np.r_[tint, tint[:1]]
-        ends.append(np.stack([points[:-1], points[1:]], axis=1))
-        tints.append(np.stack([tint[:-1], tint[1:]], axis=1))
-        entities.append(np.tile(owner, (len(points) - 1, 1)))
+            points = np.r_[points, points[:1]]
+        if role != results.PATHS:
+            tint = _blend(palette.kind_colour(kinds[0]), palette.kind_colour(kinds[1]), len(points))
+        segments = np.stack([points[:-1], points[1:]], axis=1)
+        tint = np.stack([tint[:-1], tint[1:]], axis=1)
+        if role != results.PATHS and kinds[0] in DASHED:
+            kept = _dashes(points, DASH * surface.size)
+            segments, tint = segments[kept], tint[kept]
+        ends.append(segments)
+        tints.append(tint)
+        belong.append(np.tile(owner, (len(segments), 1)))
     if not ends:
         return None
-    return Lines(role, np.concatenate(ends), np.concatenate(tints), np.concatenate(entities))
+    return Lines(role, np.concatenate(ends), np.concatenate(tints), np.concatenate(belong))
+
+
+def _blend(start, end, count: int) -> np.ndarray:
+    """(count, 4) from one colour to the other."""
+    along = np.linspace(0.0, 1.0, count)[:, None]
+    return np.c_[np.array(start) * (1.0 - along) + np.array(end) * along, np.ones(count)]
+
+
+def _dashes(points: np.ndarray, length: float) -> np.ndarray:
+    """(k - 1,) bool: segments that a dash covers, two thirds of them."""
+    arc = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
+    middle = 0.5 * (arc[:-1] + arc[1:])
+    return (middle / (1.5 * length)) % 1.0 < 2.0 / 3.0
 
 
 def _paths(obj, entities, shown: np.ndarray, surface: Surface, mesh) -> list[PathDrawing]:
@@ -238,7 +278,7 @@ def paint_sets(surface: Surface, sets: np.ndarray, kinds: list[str]) -> Faces | 
     if not len(inside):
         return None
     above = surface.vertices + 0.35 * LIFT * surface.size * surface.normals
-    table = np.array([(*KIND_COLOURS.get(kind, KIND_COLOURS["other"]), 1.0) for kind in kinds])
+    table = np.array([(*palette.kind_colour(kind), 1.0) for kind in kinds])
     triangles = surface.triangles
     edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     owner = np.repeat(sets, 3)

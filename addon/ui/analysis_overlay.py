@@ -186,13 +186,15 @@ def legend_blocks(obj: bpy.types.Object, evaluated: bpy.types.Object) -> list[le
         events = {kind: drawing.counts["history"][kind] for kind in markers.EVENTS}
         paths = drawing.counts["history"].total() - sum(events.values())
         ramp = lam_colours(np.linspace(0.0, 1.0, 13))
-        blocks.append(legend.Block(f"Over λ: {paths} paths", _rows(events), ramp))
+        named = {kind: drawing.words.get(kind, "").capitalize() or markers.NAMES[kind] for kind in markers.EVENTS}
+        rows = [(kind, f"{named[kind]}  {events[kind]}") for kind in markers.EVENTS if events[kind]]
+        blocks.append(legend.Block(f"Over λ: {paths} paths", rows, ramp))
     preview = morse_preview.of(obj)
     if preview is not None and analysis.show_sets:
         counts = {kind: preview.kinds.count(kind) for kind in markers.NAMES}
-        blocks.append(legend.Block(f"Preview  λ {preview.lam:.3f}", _rows(counts)))
+        blocks.append(legend.Block(f"Preview  λ {preview.lam:.3f}", _rows(counts, " set")))
     elif analysis.mcg.made and analysis.show_sets:
-        blocks.append(legend.Block(_title(obj, "Morse sets", analysis.mcg), _rows(drawing.counts["mcg"])))
+        blocks.append(legend.Block(_title(obj, "Morse sets", analysis.mcg), _rows(drawing.counts["mcg"], " set")))
     return blocks
 
 
@@ -201,8 +203,9 @@ def _title(obj, what: str, entities) -> str:
     return f"{what}  λ {entities.lam:.3f}{now}"
 
 
-def _rows(counts) -> list[tuple[str, str]]:
-    return [(kind, f"{name}  {counts[kind]}") for kind, name in markers.NAMES.items() if counts.get(kind)]
+def _rows(counts, suffix: str = "") -> list[tuple[str, str]]:
+    """suffix: so that a kind of set is not read as one more fixed point."""
+    return [(kind, f"{name}{suffix}  {counts[kind]}") for kind, name in markers.NAMES.items() if counts.get(kind)]
 
 
 def forget() -> None:

@@ -54,6 +54,12 @@ class STORMFIELD_PT_analysis(FieldPanel, bpy.types.Panel):
             column.operator("stormfield.update_markers", text="", icon="MARKER_HLT")
         column.separator()
         column.operator("stormfield.forget_analysis", text="", icon="X")
+        if analysis.shown != "mcg":
+            row = layout.row()
+            row.prop(analysis, "detail", slider=True)
+            weak = entities.weak()
+            if weak:
+                layout.label(text=f"{weak} weak one{'s' if weak != 1 else ''} hidden", icon="HIDE_ON")
         draw_entity(context, layout, obj, analysis.shown)
         _draw_filters(layout, entities, analysis.shown)
 

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from .. import native
+from ..analysis.quiet import is_storm
 from ..model.words import MorseMethod
 from ..scene.read.mesh import loop_triangles
 from ..session import morse_state
@@ -163,7 +164,12 @@ def _fixed_points(entry: _Entry, values: np.ndarray) -> list[tuple[str, np.ndarr
         np.array([getattr(point, name) for point in found]) for name in ("face", "barycentric", "position")
     )
     raised, _normals = lifted(entry.surface, faces, barycentric, positions)
-    return [(point.kind, place) for point, place in zip(found, raised, strict=True)]
+    return [(_marked_as(point), place) for point, place in zip(found, raised, strict=True)]
+
+
+def _marked_as(point) -> str:
+    """A storm is a storm whether its centre draws in or pushes out a little, which may change along its way."""
+    return "storm" if is_storm(point.jacobian) else point.kind
 
 
 def _native_field(mesh, values: np.ndarray):

@@ -15,6 +15,8 @@ def draw_entity(context, layout, obj, which: str) -> None:
         return
     box = layout.box().column(align=True)
     kind = "" if item.kind in EVENT_KINDS else markers.NAMES.get(item.kind, item.kind.title())
+    if item.storm:
+        kind = "Storm" if item.kind == "center" else f"Storm, {kind.lower()}"
     box.label(text=f"{item.name}   {kind}", icon_value=icons.of(item.kind))
     for text in _facts(which, item):
         text_lines(context, box, text, icon="BLANK1")

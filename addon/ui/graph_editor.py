@@ -21,12 +21,11 @@ from bpy.props import (
 from gpu_extras.batch import batch_for_shader
 
 from .. import compat
-from ..analysis.colours import KIND_COLOURS
 from ..scene.nodes import entity_nodes
 from ..scene.read.active_field import active_field
 from ..scene.write import selection
 from ..session import objects
-from . import icons
+from . import icons, palette
 from .entity_details import draw_entity
 
 #: Height of a collapsed node, in its tree's units.
@@ -286,9 +285,7 @@ def link_lines(tree: bpy.types.NodeTree) -> tuple[np.ndarray, np.ndarray]:
     nodes = tree.nodes
     active = nodes.active.name if nodes.active is not None and nodes.active.select else None
     where = {node.name: np.array((node.location[0] + 0.5 * node.width, node.location[1])) for node in nodes}
-    tint: dict[str, np.ndarray] = {
-        node.name: np.array(KIND_COLOURS.get(node.kind, KIND_COLOURS["other"])) for node in nodes
-    }
+    tint: dict[str, np.ndarray] = {node.name: np.array(palette.kind_colour(node.kind)) for node in nodes}
     lines, colours = [], []
     for route in sorted(tree.routes, key=lambda route: active in (route.source, route.target)):
         if route.source not in where or route.target not in where:

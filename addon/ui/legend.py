@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The legend: a box in the lower right corner of the view, with one block for each thing that is drawn."""
+"""The legend: a box in the lower right corner of the view, with one block for each thing that is drawn.
+
+A click folds it. It never covers more than MOST of the view.
+"""
 
 from dataclasses import dataclass, field
 
@@ -12,7 +15,9 @@ from gpu_extras.batch import batch_for_shader
 from .. import compat
 from . import markers
 
-LINE, PAD, WIDTH = 19.0, 10.0, 168.0
+LINE, PAD, WIDTH, GAP = 19.0, 10.0, 168.0, 8.5
+#: Most of the view that it covers.
+MOST = 0.1
 
 
 @dataclass
@@ -26,21 +31,61 @@ class Block:
         return 1 + len(self.rows) + (self.ramp is not None)
 
 
-def draw(context: bpy.types.Context, blocks: list[Block]) -> None:
-    unit = context.preferences.system.ui_scale
-    gap = 0.45 * LINE
-    height = (LINE * sum(block.lines for block in blocks) + gap * (len(blocks) - 1) + 2 * PAD - 5) * unit
-    width = WIDTH * unit
+@dataclass(frozen=True)
+class Box:
+    """Where the legend is, in pixels of the region."""
+
+    left: float
+    bottom: float
+    width: float
+    height: float
+
+    def holds(self, x: float, y: float) -> bool:
+        return 0.0 <= x - self.left <= self.width and 0.0 <= y - self.bottom <= self.height
+
+
+_drawn: dict[int, Box] = {}  #: by region
+
+
+def box_in(region: bpy.types.Region) -> Box | None:
+    """The legend that was last drawn there."""
+    return _drawn.get(region.as_pointer())
+
+
+def forget() -> None:
+    _drawn.clear()
+
+
+def layout(blocks: list[Block], region_size: tuple[float, float], unit: float, folded: bool) -> tuple[list[Block], Box]:
+    """The blocks that fit, and the size of their box (its place is 0): all of them; else without rows; else the first
+    line alone; nothing where even that would cover more than MOST of the view."""
+    titles = [Block(block.title) for block in blocks]
+    for shown in [titles[:1]] if folded else [blocks, titles, titles[:1]]:
+        height = (LINE * sum(block.lines for block in shown) + GAP * (len(shown) - 1) + 2 * PAD - 5) * unit
+        if WIDTH * unit * height <= MOST * region_size[0] * region_size[1]:
+            return shown, Box(0.0, 0.0, WIDTH * unit, height)
+    return [], Box(0.0, 0.0, 0.0, 0.0)
+
+
+def draw(context: bpy.types.Context, blocks: list[Block], folded: bool) -> None:
+    unit, region = context.preferences.system.ui_scale, context.region
+    shown, size = layout(blocks, (region.width, region.height), unit, folded)
+    _drawn.pop(region.as_pointer(), None)
+    if not shown:
+        return
     sidebar = next((r.width for r in context.area.regions if r.type == "UI" and r.width > 1), 0)
     overlap = context.preferences.system.use_region_overlap
-    left = context.region.width - (sidebar if overlap else 0) - width - 14 * unit
-    bottom = 14 * unit
+    left = region.width - (sidebar if overlap else 0) - size.width - 14 * unit
+    box = Box(left, 14 * unit, size.width, size.height)
+    _drawn[region.as_pointer()] = box
     gpu.state.blend_set("ALPHA")
-    corners = [(left, bottom), (left + width, bottom), (left + width, bottom + height), (left, bottom + height)]
+    right, top = box.left + box.width, box.bottom + box.height
+    corners = [(box.left, box.bottom), (right, box.bottom), (right, top), (box.left, top)]
     _fill([corners[i] for i in (0, 1, 2, 0, 2, 3)], [(0.08, 0.08, 0.09, 0.72)] * 6)
     left += PAD * unit
-    y = bottom + height - (PAD + 11) * unit
-    for block in blocks:
+    y = top - (PAD + 11) * unit
+    _fold_sign(right - (PAD + 6) * unit, y + 4.5 * unit, unit, folded or len(shown) < len(blocks))
+    for block in shown:
         _write(block.title, left, y, unit, 1.0)
         for kind, text in block.rows:
             y -= LINE * unit
@@ -50,7 +95,13 @@ def draw(context: bpy.types.Context, blocks: list[Block]) -> None:
         if block.ramp is not None:
             y -= LINE * unit
             _ramp(block.ramp, left, y, unit)
-        y -= (LINE + gap) * unit
+        y -= LINE * unit + GAP * unit
+
+
+def _fold_sign(x: float, y: float, unit: float, folded: bool) -> None:
+    """A triangle as in Blender's panels: to the left while folded, downwards while open."""
+    shape = np.array([(3.0, 4.0), (3.0, -4.0), (-4.0, 0.0)] if folded else [(-4.0, 3.0), (4.0, 3.0), (0.0, -4.0)])
+    _fill(shape * unit + (x, y), [(0.85, 0.85, 0.85, 1.0)] * 3)
 
 
 def _ramp(colours: np.ndarray, left: float, y: float, unit: float) -> None:

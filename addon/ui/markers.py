@@ -9,6 +9,7 @@ from . import palette
 
 #: kind -> its name in legends.
 NAMES = {
+    "storm": "Storm",
     "source": "Source",
     "sink": "Sink",
     "saddle": "Saddle",
@@ -35,7 +36,9 @@ LIGHT: Colour = (1.0, 1.0, 1.0, 1.0)
 
 
 def colour_of(kind: str) -> tuple[float, float, float]:
-    return EVENTS.get(kind) or palette.kind_colour(kind)
+    if kind == "meeting":
+        return MEETING
+    return EVENTS.get(kind) or palette.kind_colour("center" if kind == "storm" else kind)
 
 
 def _circle(radius: float, corners: int = 24, turned: float = 0.0) -> np.ndarray:
@@ -68,9 +71,12 @@ def shape(kind: str) -> list[tuple[np.ndarray, Colour]]:
         size = 1.30 if corners < 5 else 1.05
         return [(_circle(size, corners, turned), RIM), (_circle(size - 0.20, corners, turned), colour)]
     layers = [(_circle(1.0), RIM), (_circle(0.82), colour)]
+    if kind == "storm":  # two arms, as on weather maps
+        arms = [turn * np.array([(0.62, 0.30), (1.22, 1.02), (-0.10, 0.95)]) for turn in (1.0, -1.0)]
+        layers = [*((arm, RIM) for arm in arms), *layers, *((0.82 * arm, colour) for arm in arms)]
     if kind == "source":
         layers.append((_circle(0.34), LIGHT))
-    elif kind == "center":
+    elif kind in {"center", "storm"}:
         layers.append((_circle(0.46), RIM))
     elif kind in {"repelling", "attracting"}:
         layers += [(_circle(0.58), RIM), (_circle(0.40), LIGHT if kind == "repelling" else colour)]

@@ -4,6 +4,8 @@
 Draw handlers only read. The surface hides what lies behind it; markers keep their size on screen at any zoom.
 """
 
+from collections import Counter
+
 import bpy
 import gpu
 import numpy as np
@@ -37,6 +39,7 @@ def forget() -> None:
     analysis_overlay.forget()
     element_overlay.forget()
     motion.forget()
+    legend.forget()
 
 
 def register() -> None:
@@ -144,7 +147,7 @@ def draw_texts(context: bpy.types.Context) -> None:
     if obj in shown and obj.stormfield.look.show_legend:
         blocks = [*_field_block(obj, shown[obj]), *analysis_overlay.legend_blocks(obj, shown[obj])]
         if blocks:
-            legend.draw(context, blocks)
+            legend.draw(context, blocks, obj.stormfield.look.legend_folded)
 
 
 def _write_above(context, evaluated, text: str) -> None:
@@ -164,10 +167,8 @@ def _field_block(obj, evaluated) -> list[legend.Block]:
     if drawing is None:
         return []
     look = obj.stormfield.look
-    counts = {kind: 0 for kind in ("source", "sink", "saddle", "center")}
-    for kind, _position in drawing.points:
-        counts[kind] = counts.get(kind, 0) + 1
-    rows = [(kind, f"{markers.NAMES[kind]}  {count}") for kind, count in counts.items()]
+    counts = Counter(kind for kind, _position in drawing.points)
+    rows = [(kind, f"{name}  {counts[kind]}") for kind, name in markers.NAMES.items() if counts[kind]]
     if not look.show_fixed_points or drawing.note:
         rows = []
     label = "Advection" if look.shown_field == "sf_advection" else "Orientation"

@@ -13,7 +13,7 @@ from mathutils import Vector
 
 from ..scene.read import results
 from ..scene.read.active_field import active_field
-from . import analysis_drawing, analysis_overlay, marker_drawing, motion
+from . import analysis_drawing, analysis_overlay, legend, marker_drawing, motion
 
 #: How near the pointer must be to a marker and to a line (pixels at 100 % interface scale).
 REACH, LINE_REACH = 11.0, 6.0
@@ -84,7 +84,7 @@ def _hidden(context, evaluated, place: np.ndarray) -> bool:
 
 class STORMFIELD_GT_entities(bpy.types.Gizmo):
     bl_idname = "STORMFIELD_GT_entities"
-    __slots__ = ("hit",)
+    __slots__ = ("hit", "on_legend")
 
     def draw(self, _context):
         """Nothing: the overlay draws the entities."""
@@ -94,11 +94,19 @@ class STORMFIELD_GT_entities(bpy.types.Gizmo):
         obj = active_field(context)
         if obj is None or obj.mode == "EDIT":
             return -1
+        box = legend.box_in(context.region)
+        self.on_legend = box is not None and box.holds(*location)
+        if self.on_legend:
+            return 0
         evaluated = obj.evaluated_get(context.view_layer.depsgraph)
         self.hit = entity_at(context, obj, evaluated, location)
         return -1 if self.hit is None else 0
 
     def invoke(self, context, _event):
+        if getattr(self, "on_legend", False):
+            look = active_field(context).stormfield.look
+            look.legend_folded = not look.legend_folded
+            return {"FINISHED"}
         hit = getattr(self, "hit", None)
         if hit is None:
             return {"PASS_THROUGH"}

@@ -187,7 +187,7 @@ def test_no_field_means_no_drawing(show):
 def test_fixed_points_come_from_the_attribute_on_the_mesh(ball, show):
     drawing = show(np.cross([0.0, 0.0, 1.0], vertices(ball)))
     kinds = sorted(kind for kind, _position in drawing.points)
-    assert kinds == ["center", "center"]
+    assert kinds == ["storm", "storm"]
     assert np.allclose(sorted(float(p[2]) for _kind, p in drawing.points), [-1, 1], atol=0.02)
 
 
@@ -252,6 +252,31 @@ def test_the_overlay_writes_nothing(ball, show):
     ball.data.attributes["sf_advection"].data.foreach_get("vector", after)
     assert np.array_equal(before, after)
     assert sorted(a.name for a in ball.data.attributes if a.name.startswith("sf_")) == ["sf_advection"]
+
+
+def test_a_storm_is_a_storm_whether_it_draws_in_or_pushes_out_a_little(ball, show):
+    points = vertices(ball)
+    outward = points * (1.0, 1.0, 0.0)
+    for push in (-0.2, 0.0, 0.2):
+        kinds = [kind for kind, _ in show(turning(points) + push * outward).points]
+        assert kinds == ["storm", "storm"]
+    assert "storm" not in [kind for kind, _ in show(0.2 * turning(points) + outward).points]
+
+
+def test_the_legend_never_covers_more_than_a_tenth_of_the_view():
+    from stormfield.ui import legend
+
+    blocks = [legend.Block("Advection", [("source", "Source  1")] * 4), legend.Block("Topology", [("sink", "x")] * 5)]
+    everything, _ = legend.layout(blocks, (1600.0, 1000.0), 1.0, folded=False)
+    assert everything == blocks
+    for size in ((1600.0, 1000.0), (800.0, 500.0), (500.0, 300.0), (300.0, 200.0), (100.0, 100.0)):
+        for unit in (1.0, 1.9):
+            shown, box = legend.layout(blocks, size, unit, folded=False)
+            assert box.width * box.height <= 0.1 * size[0] * size[1]
+            assert len(shown) in {0, 1, 2}
+    shown, box = legend.layout(blocks, (1600.0, 1000.0), 1.0, folded=True)
+    assert [block.title for block in shown] == ["Advection"] and not shown[0].rows
+    assert legend.Box(10, 10, 20, 20).holds(15, 29) and not legend.Box(10, 10, 20, 20).holds(31, 15)
 
 
 @pytest.mark.parametrize("kind", ["source", "sink", "saddle", "center", "degenerate", "unknown"])

@@ -15,9 +15,11 @@ import numpy as np
 
 from ...analysis.colours import KIND_COLOURS, lam_colours
 from ...analysis.entities import EntityGraph
+from ...analysis.naming import named_graph, named_tracking
 from ...analysis.tracking import Tracking
 from ..nodes import entity_nodes
 from ..read import results
+from ..read.element_places import element_places
 from ..read.results import ROLE, find_curves
 from . import entity_lists, morse_faces
 from .curve_objects import make_curves, remove_curves
@@ -29,6 +31,7 @@ RADIUS = 0.0015
 def show_ecg(scene: bpy.types.Scene, obj: bpy.types.Object, graph: EntityGraph, shown_field: str) -> None:
     """Fixed points, orbits and separatrices of one λ: objects, list and graph. Raises RuntimeError without igraph."""
     collection = _collection(scene, obj)
+    graph = named_graph(graph, element_places(obj))
     entities = graph.entities
     lines, ends = [], []
     for link in graph.links:
@@ -72,6 +75,7 @@ def show_tracking(scene: bpy.types.Scene, obj: bpy.types.Object, tracking: Track
     """Paths and bifurcations over λ: objects and list; how many paths the filter hides because there are very many.
     Timeline markers are timeline.update_markers'."""
     collection = _collection(scene, obj)
+    tracking = named_tracking(tracking, element_places(obj))
     paths, events = tracking.paths, tracking.bifurcations
     # A curve of one point cannot be drawn: of a path of one sample only its bifurcations are drawn.
     drawn = [path for path in paths if len(path.lambdas) > 1]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
+from ...analysis import quiet
 from ...analysis.entities import Entity, EntityGraph
 from ...analysis.tracking import Bifurcation, TrackedPath, Tracking
 
@@ -23,6 +24,10 @@ def fill_list(obj: bpy.types.Object, which: str, graph: EntityGraph, shown_field
         item = entities.items.add()
         item.name, item.kind, item.row, item.position = entity.name, entity.kind, entity.row, entity.position
         item.strength, item.life = entity.strength, 1.0
+        item.storm = bool(entity.info.get("storm", False))
+        multiplier = entity.info.get("multiplier")
+        if isinstance(multiplier, float):
+            item.weight = quiet.orbit_weight(multiplier)
         item.note = _note(entity)
         item.faces = 0 if entity.faces is None else len(entity.faces)
     _list_is_full(obj, entities)
@@ -32,8 +37,10 @@ def fill_history(obj: bpy.types.Object, tracking: Tracking, shown_field: str) ->
     """The list of paths and bifurcations over λ; how many paths the filter hides because there are very many."""
     paths, events = tracking.paths, tracking.bifurcations
     entities = _new_list(obj, "history", shown_field)
+    strongest = max((path.strength for path in paths), default=0.0)
     for path in paths:
         item = entities.items.add()
+        item.weight, item.storm = quiet.path_weight(path, strongest), quiet.is_storm_path(path)
         item.name, item.kind, item.strength = path.name, path.kind, path.strength
         item.position = path.positions[len(path.positions) // 2]
         item.lam_start, item.lam_end, item.life = path.first, path.last, path.life
@@ -44,6 +51,10 @@ def fill_history(obj: bpy.types.Object, tracking: Tracking, shown_field: str) ->
         item.position = event.position
         mine = [paths[index] for index in event.paths]
         item.note = event.title.capitalize()
+        item.weight = quiet.event_weight(event, paths, strongest)
+        item.words = quiet.storm_event(event, tracking)
+        if item.words:
+            item.name, item.note = item.words.capitalize(), f"{item.note}: {_event_name(event, paths)}"
         item.strength = max((path.strength for path in mine), default=0.0)
         # A bifurcation is as important as the most persistent of its paths; `lam` is where it happens.
         item.lam = event.lam

@@ -13,10 +13,14 @@ from ..read.lambda_keys import passages
 from ..read.results import EVENT_KINDS
 
 _BACKWARDS = {"creation": "annihilation", "annihilation": "creation"}
+_WORDS_BACKWARDS = {"storms merge": "storm splits", "storm splits": "storms merge"}
 
 
-def marker_name(kind: str, node: str, lam: float, forward: bool = True) -> str:
-    """What happens, in the direction in which λ runs: "λ 0.42 saddle + sink annihilate"."""
+def marker_name(kind: str, node: str, lam: float, forward: bool = True, words: str = "") -> str:
+    """What happens, in the direction in which λ runs: "λ 0.42 saddle + sink annihilate", or in an artist's `words`:
+    "λ 0.60 storms merge"."""
+    if words:
+        return f"λ {lam:.2f} {words if forward else _WORDS_BACKWARDS[words]}"
     if kind == "hopf":
         other = {"source": "sink", "sink": "source"}.get(node, node)
         return f"λ {lam:.2f} becomes {node if forward else other}"
@@ -36,7 +40,9 @@ def update_markers(obj: bpy.types.Object) -> int:
     made = []
     for item, places in zip(events, passages(obj, [item.lam for item in events]), strict=True):
         for frame, forward in places:
-            marker = scene.timeline_markers.new(marker_name(item.kind, item.row, item.lam, forward), frame=frame)
+            marker = scene.timeline_markers.new(
+                marker_name(item.kind, item.row, item.lam, forward, item.words), frame=frame
+            )
             made.append((marker.name, frame))
     obj.stormfield.analysis.markers = json.dumps(made, ensure_ascii=False)
     return len(made)
