@@ -28,8 +28,9 @@ EVENTS = {
     "creation": (1.00, 0.86, 0.35),
     "annihilation": (0.95, 0.45, 0.80),
     "hopf": (0.35, 0.85, 0.90),
-    "meeting": (1.0, 1.0, 1.0),
 }
+#: Of the place where the paths of elements meet.
+MEETING = (1.0, 1.0, 1.0)
 Colour = tuple[float, float, float, float]
 RIM: Colour = (0.02, 0.02, 0.03, 1.0)
 LIGHT: Colour = (1.0, 1.0, 1.0, 1.0)
