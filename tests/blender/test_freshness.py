@@ -110,3 +110,28 @@ def test_the_view_says_one_reason_and_counts_the_others(solved):
     solved.stormfield.solve.even_speed = 0.3
     bpy.context.view_layer.update()
     assert out_of_date.sentence(solved) == "Out of date: settings were changed and 1 more. Solve again"
+
+
+@pytest.mark.parametrize("parented", [True, False])
+def test_a_control_that_is_not_shown_has_not_moved(solved, scene, tmp_path, parented):
+    from stormfield.session import freshness
+
+    collection = bpy.data.collections.new("Controls")
+    scene.collection.children.link(collection)
+    for element in solved.stormfield.elements:
+        source = element.source
+        scene.collection.objects.unlink(source)
+        collection.objects.link(source)
+        if parented:
+            parent = bpy.data.objects.new("Parent", None)
+            collection.objects.link(parent)
+            parent.location = (0.0, 0.0, 0.5)
+            source.parent = parent
+            source.location.z -= 0.5
+    bpy.context.view_layer.update()
+    assert freshness.why_out_of_date(solved) == ""
+    bpy.context.view_layer.layer_collection.children["Controls"].exclude = True
+    path = str(tmp_path / "hidden.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    assert freshness.why_out_of_date(bpy.data.objects["Ball"]) == ""

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Iterator
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ... import compat
 from ...model.words import Json
@@ -99,7 +100,7 @@ def element_entry(obj: bpy.types.Object, element) -> dict[str, Json]:
     keys = list(_keys_of(source))
     if keys:  # where it is follows from its keys, and no frame is another's change
         return {**entry, "shape": _digest(*_shape(source), *keys, *_keys(obj)), "place": []}
-    place = np.array(obj.matrix_world.inverted_safe() @ source.matrix_world)[:3]
+    place = np.array(_world(obj).inverted_safe() @ _world(source))[:3]
     return {**entry, "shape": _digest(*_shape(source)), "place": place.ravel().tolist()}
 
 
@@ -114,6 +115,15 @@ def _values(group: bpy.types.PropertyGroup) -> Iterator[object]:
             continue
         value = getattr(group, prop.identifier)
         yield prop.identifier, tuple(value) if getattr(prop, "is_array", False) else value
+
+
+def _world(obj: bpy.types.Object) -> Matrix:
+    """Where an object is. What the window does not show is not evaluated: its parents and its own channels say it."""
+    if obj.visible_get():
+        return obj.matrix_world
+    if obj.parent is None or obj.parent_type != "OBJECT":
+        return obj.matrix_basis
+    return _world(obj.parent) @ obj.matrix_parent_inverse @ obj.matrix_basis
 
 
 def _shape(source: bpy.types.Object) -> Iterator[object]:
