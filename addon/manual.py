@@ -22,7 +22,7 @@ OPERATORS = {
         *("remove_element", "move_element", "element_preset"),
     ),
     "panels/solve": (
-        *("solve", "add_preset", "select_faults"),
+        *("solve", "add_preset", "select_faults", "transfer_field"),
         *("subdivide_mesh", "fix_normals", "fill_parts", "leave_out_parts"),
     ),
     "panels/bake": ("bake", "use_baked_caches"),

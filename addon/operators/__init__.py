@@ -23,6 +23,7 @@ from . import (
     solve,
     storm_merge,
     streamlines,
+    transfer,
 )
 
 CLASSES = (
@@ -33,6 +34,7 @@ CLASSES = (
     *solve.CLASSES,
     *doubts.CLASSES,
     *faults.CLASSES,
+    *transfer.CLASSES,
     *bake.CLASSES,
     *baked_caches.CLASSES,
     *analyze.CLASSES,

@@ -90,7 +90,7 @@ def _of_mesh(obj: bpy.types.Object) -> str:
     how = fit(obj.modifiers[LAMBDA].cache_file, obj.data)
     if how is Fit.OTHER:
         return f"{reading.MESH_CHANGED}, so that the field is off"
-    if how is Fit.SAME:  # its faces were flipped
+    if how is Fit.SAME:  # its faces were flipped, or the field was transferred to it
         return reading.MESH_CHANGED
     return f"{reading.MESH_CHANGED}, and the field on it is approximate"
 

@@ -4,9 +4,10 @@
 import bpy
 from bl_ui.utils import PresetPanel
 
-from ..operators import bake, requirements, solve
+from ..operators import bake, requirements, solve, transfer
 from ..scene.read.active_field import active_field
 from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file
+from ..scene.write import mesh_edits
 from . import baked_caches, doubts, out_of_date
 from .panel_parts import FieldPanel, SidebarPanel, job_button, text_lines
 
@@ -116,6 +117,8 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         settings = obj.stormfield.solve
         job_button(context, layout, solve.STORMFIELD_OT_solve, obj, icon="PLAY")
         out_of_date.draw_in_panel(context, layout, obj)
+        if mesh_edits.is_paused(obj):
+            job_button(context, layout, transfer.STORMFIELD_OT_transfer_field, obj, icon="MOD_DATA_TRANSFER")
         doubts.draw(context, layout, obj)
         column = layout.column()
         column.prop(settings, "even_speed", slider=True)

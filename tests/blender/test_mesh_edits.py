@@ -245,3 +245,65 @@ def test_a_mesh_sorted_into_itself_is_another_mesh(scene):
     mesh.vertices.foreach_set("co", points.ravel())
     mesh.flip_normals()
     assert topology.fit(known, mesh) is topology.Fit.SAME
+
+
+def angles(obj, before, points):
+    """Degrees between the seen field and the field that was there before, at the nearest old vertices."""
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    flow = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.attributes["sf_advection"].data.foreach_get("vector", flow)
+    places = np.array([vertex.co for vertex in mesh.vertices])
+    nearest = np.linalg.norm(places[:, None] - points[None], axis=2).argmin(axis=1)
+    flow, old = flow.reshape(-1, 3).astype(float), before[nearest].astype(float)
+    lengths = np.linalg.norm(flow, axis=1) * np.linalg.norm(old, axis=1)
+    return np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", flow, old) / lengths, -1, 1)))
+
+
+def sort_vertices(obj):
+    in_edit_mode(
+        obj,
+        lambda: bpy.ops.mesh.select_all(action="SELECT"),
+        lambda: bpy.ops.mesh.sort_elements(type="RANDOMIZE", elements={"VERT"}),
+    )
+
+
+@pytest.mark.parametrize(
+    ("edit", "limit"), [(sort_vertices, 0.3), (poke_by_script, 5.0), (extrude, 60.0), (delete, 1.0), (remesh, 25.0)]
+)
+def test_transfer_brings_the_field_over(solved, seen, attribute, edit, limit):
+    points = np.array([vertex.co for vertex in solved.data.vertices])
+    before = attribute(solved, "sf_advection")
+    edit(solved)
+    assert not seen(solved)[2]
+    assert bpy.ops.stormfield.transfer_field() == {"FINISHED"}
+    assert seen(solved)[2]
+    speed = np.linalg.norm(attribute(solved, "sf_advection"), axis=1)
+    assert np.percentile(angles(solved, before, points)[speed > 0.2 * speed.max()], 95) < limit
+    assert np.allclose(speed, attribute(solved, "sf_speed"), atol=1e-5)
+    from stormfield.session import freshness
+
+    assert "the mesh was changed" in freshness.why_out_of_date(solved)
+    bpy.ops.stormfield.solve()
+    assert freshness.why_out_of_date(solved) == ""
+
+
+def test_parts_that_are_new_have_no_field_after_a_transfer(solved, seen, attribute):
+    old = len(solved.data.vertices)
+    join(solved)
+    seen(solved)
+    bpy.ops.stormfield.transfer_field()
+    flow = attribute(solved, "sf_advection")
+    assert np.abs(flow[:old]).max() > 0.1 and not flow[old:].any()
+
+
+def test_transfer_says_why_there_is_nothing_to_do(storms, solved):
+    with pytest.raises(RuntimeError, match="belongs to this mesh"):
+        bpy.ops.stormfield.transfer_field()
+
+
+def test_a_transferred_field_can_be_baked(solved, seen, scene):
+    poke_by_script(solved)
+    seen(solved)
+    bpy.ops.stormfield.transfer_field()
+    scene.frame_end = 2
+    assert bpy.ops.stormfield.bake() == {"FINISHED"}
