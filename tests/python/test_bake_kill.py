@@ -13,8 +13,6 @@ import time
 from pathlib import Path
 
 import pytest
-from stormfield.cache import usd
-from stormfield.cache.field_cache import open_cache
 from test_cache import contents
 
 KILLS = 20
@@ -33,13 +31,14 @@ mesh = test_cache.grid(40)
 print("ready", flush=True)
 samples = int(sys.argv[4])
 lambdas = [j / (samples - 1) for j in range(samples)]
-assert test_cache.bake(sys.argv[1], mesh, lambdas=lambdas, resume=True)
+assert test_cache.bake(sys.argv[1], mesh, lambdas=lambdas, resume=True, join=sys.argv[5] == "join")
 """
 
 
-def start(folder):
+def start(folder, join=True):
     flavour = "usd-core" if importlib.util.find_spec("pxr") else "bpy"
     command = [sys.executable, "-c", BAKE, str(folder), str(Path(__file__).parent), flavour, str(SAMPLES)]
+    command.append("join" if join else "keep the samples")
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
@@ -61,12 +60,9 @@ def reference(tmp_path_factory):
     began = time.monotonic()
     finish(start(folder))
     seconds = time.monotonic() - began
-    cache, parts = open_cache(folder), tmp_path_factory.mktemp("parts")
-    plan = cache.manifest.plan
-    (parts / "samples").mkdir()
-    for j, name in enumerate(plan.names):
-        usd.write_sample(parts / name, plan.time_codes[j], cache.sample(j))
-    return contents(folder), contents(parts), seconds
+    parts = tmp_path_factory.mktemp("parts")
+    finish(start(parts, join=False))
+    return contents(folder), {n: data for n, data in contents(parts).items() if n.endswith(".usdc")}, seconds
 
 
 def check_not_torn(folder, expected):

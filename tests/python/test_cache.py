@@ -42,12 +42,12 @@ def sample(mesh, j):
     return vectors | {name: rng.normal(size=n).astype(np.float32) for name in ("sf_speed", "sf_stream")}
 
 
-def bake(folder, mesh, lambdas=LAMBDAS, only=None, settings=SETTINGS, **options):
+def bake(folder, mesh, lambdas=LAMBDAS, only=None, settings=SETTINGS, join=True, **options):
     writer = FieldCacheWriter(folder, mesh, lambdas, settings, **options)
     for j in writer.missing():
         if only is None or j in only:
             writer.write_sample(j, sample(mesh, j))
-    return run(writer.finish())
+    return not join or run(writer.finish())
 
 
 def contents(folder):
