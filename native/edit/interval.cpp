@@ -68,6 +68,7 @@ std::string nearestPair(const Topology& topology, const TriangleMesh& mesh, cons
 }  // namespace
 
 bool Interval::holds(const EntityRef& entity) const {
+  if (entity.kind != EntityKind::FixedPoint && entity.kind != EntityKind::PeriodicOrbit) return false;
   if (entity == repeller || entity == attractor) return true;
   return entity.kind == EntityKind::FixedPoint && std::binary_search(saddles.begin(), saddles.end(), entity.index);
 }

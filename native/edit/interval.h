@@ -15,6 +15,7 @@
 
 namespace stormfield {
 
+/// Of nothing, unless filled.
 struct Interval {
   EntityRef repeller, attractor;    ///< one of the two may be a saddle
   std::vector<Index> saddles;       ///< between the two, in Topology::fixedPoints, ascending

@@ -32,24 +32,6 @@ FaceSets oneSet(const FaceRegion& region) {
   return {std::move(setOf), 1};
 }
 
-/// The faces that hang together with the first by edges, inside or outside of the region as that one is.
-std::vector<Index> connected(const FaceRegion& region, Index first, std::vector<char>& seen) {
-  const TriangleMesh& mesh = region.mesh();
-  std::vector<Index> result{first};
-  seen[first] = 1;
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    for (Index h = 3 * result[i]; h < 3 * result[i] + 3; ++h) {
-      const Index twin = mesh.twin(h);
-      if (twin == kNone) continue;
-      const Index f = TriangleMesh::face(twin);
-      if (seen[f] != 0 || region.holds(f) != region.holds(first)) continue;
-      seen[f] = 1;
-      result.push_back(f);
-    }
-  }
-  return result;
-}
-
 bool touchesBoundary(const TriangleMesh& mesh, const std::vector<Index>& faces) {
   return std::any_of(faces.begin(), faces.end(), [&](Index f) {
     return mesh.twin(3 * f) == kNone || mesh.twin(3 * f + 1) == kNone || mesh.twin(3 * f + 2) == kNone;
@@ -120,6 +102,12 @@ BlockGrowth::BlockGrowth(const VectorField& field, const Topology& topology, con
   }
   std::sort(core_.begin(), core_.end());
   core_.erase(std::unique(core_.begin(), core_.end()), core_.end());
+}
+
+BlockGrowth BlockGrowth::withCore(const std::vector<Index>& faces) const {
+  BlockGrowth larger = *this;
+  larger.core_.insert(larger.core_.end(), faces.begin(), faces.end());
+  return larger;
 }
 
 bool BlockGrowth::isWall(Index face, Walls walls) const {

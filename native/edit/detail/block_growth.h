@@ -43,6 +43,9 @@ class BlockGrowth {
 
   /// None where walls leave no face around an entity, or where no vertex is free.
   std::optional<Block> grown(Growth growth, int rings, Walls walls) const;
+  bool isWall(Index face, Walls walls) const;
+  /// The same with further faces in the core.
+  BlockGrowth withCore(const std::vector<Index>& faces) const;
   /// Faces of the entities of the interval and of the separatrices between them.
   const std::vector<Index>& core() const { return core_; }
 
@@ -52,8 +55,6 @@ class BlockGrowth {
   void addRing(FaceRegion& region, Walls walls) const;
   void fillEnclosed(FaceRegion& region) const;
   void isolate(FaceRegion& region, Walls walls) const;
-  bool isWall(Index face, Walls walls) const;
-
   const VectorField& field_;
   std::vector<Index> core_;
   std::vector<char> entityFaces_;      ///< of entities outside the interval

@@ -50,4 +50,21 @@ std::vector<Index> facesAt(const TriangleMesh& mesh, const SurfacePoint& point) 
   return faces;
 }
 
+std::vector<Index> connected(const FaceRegion& region, Index first, std::vector<char>& seen) {
+  const TriangleMesh& mesh = region.mesh();
+  std::vector<Index> result{first};
+  seen[first] = 1;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    for (Index h = 3 * result[i]; h < 3 * result[i] + 3; ++h) {
+      const Index twin = mesh.twin(h);
+      if (twin == kNone) continue;
+      const Index f = TriangleMesh::face(twin);
+      if (seen[f] != 0 || region.holds(f) != region.holds(first)) continue;
+      seen[f] = 1;
+      result.push_back(f);
+    }
+  }
+  return result;
+}
+
 }  // namespace stormfield

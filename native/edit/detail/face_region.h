@@ -32,4 +32,8 @@ std::vector<Index> facesAround(const TriangleMesh& mesh, Index vertex);
 /// The faces that a point touches: one, two on an edge, all around a vertex.
 std::vector<Index> facesAt(const TriangleMesh& mesh, const SurfacePoint& point);
 
+/// The faces that hang together with the first by edges, inside or outside of the region as that one is. seen: per face,
+/// marked.
+std::vector<Index> connected(const FaceRegion& region, Index first, std::vector<char>& seen);
+
 }  // namespace stormfield

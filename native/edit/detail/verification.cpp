@@ -63,12 +63,13 @@ class Contracted {
 
 class Comparison {
  public:
-  Comparison(const TriangleMesh& mesh, const Topology& before, const Topology& after, const Interval& changed)
+  Comparison(const TriangleMesh& mesh, const Topology& before, const Topology& after, const Interval& changed,
+             EntityMatch match)
       : mesh_(mesh),
         before_(before),
         after_(after),
         changed_(changed),
-        match_(matchEntities(mesh, before, after)),
+        match_(std::move(match)),
         contracted_(before, changed),
         pointsBefore_(after.fixedPoints.size(), kNone),
         orbitsBefore_(after.periodicOrbits.size(), kNone) {
@@ -112,9 +113,14 @@ class Comparison {
     for (std::size_t saddle = 0; saddle < before_.fixedPoints.size(); ++saddle) {
       if (changed_.holds({EntityKind::FixedPoint, static_cast<Index>(saddle)})) continue;
       const auto old = separatricesOf(before_, static_cast<Index>(saddle));
-      const auto now = separatricesOf(after_, match_.fixedPoints[saddle]);
-      for (std::size_t i = 0; i < old.size(); ++i) {
-        if (i < now.size() && mayEnd(*old[i], *now[i])) continue;
+      auto now = separatricesOf(after_, match_.fixedPoints[saddle]);
+      for (const Separatrix* s : old) {
+        // In any order, since that around a point that was moved may begin elsewhere.
+        const auto same = std::find_if(now.begin(), now.end(), [&](const Separatrix* t) { return mayEnd(*s, *t); });
+        if (same != now.end()) {
+          now.erase(same);
+          continue;
+        }
         return message("a separatrix of the ",
                        entityName(before_, mesh_, {EntityKind::FixedPoint, static_cast<Index>(saddle)}),
                        " would end elsewhere");
@@ -224,10 +230,32 @@ EntityMatch matchEntities(const TriangleMesh& mesh, const Topology& before, cons
 
 Verification verify(const TriangleMesh& mesh, const Topology& before, const Topology& after, const Interval& changed,
                     const Contents& wanted) {
-  const Comparison comparison(mesh, before, after, changed);
+  const Comparison comparison(mesh, before, after, changed, matchEntities(mesh, before, after));
   Verification result{"", comparison.left()};
   result.fault = comparison.lostEntity();
   if (result.fault.empty()) result.fault = comparison.wrongContents(wanted);
+  if (result.fault.empty()) result.fault = comparison.wrongSeparatrix();
+  if (result.fault.empty()) result.fault = comparison.wrongLink();
+  return result;
+}
+
+Verification verifyMoved(const TriangleMesh& mesh, const Topology& before, const Topology& after, Index moved) {
+  const Interval nothing;
+  EntityMatch match = matchEntities(mesh, before, after);
+  Verification result{"", match.unmatched};
+  const FixedPoint& point = before.fixedPoints[moved];
+  const bool one = match.unmatched.size() == 1 && match.unmatched[0].kind == EntityKind::FixedPoint;
+  if (!one || after.fixedPoints[match.unmatched[0].index].kind != point.kind) {
+    Contents wanted;
+    wanted.add(point.kind);
+    result.fault = Comparison(mesh, before, after, nothing, match).wrongContents(wanted);
+    if (result.fault.empty()) result.fault = "another entity would change its kind";
+    return result;
+  }
+  match.fixedPoints[moved] = match.unmatched[0].index;
+  match.unmatched.clear();
+  const Comparison comparison(mesh, before, after, nothing, std::move(match));
+  result.fault = comparison.lostEntity();
   if (result.fault.empty()) result.fault = comparison.wrongSeparatrix();
   if (result.fault.empty()) result.fault = comparison.wrongLink();
   return result;

@@ -36,4 +36,7 @@ struct Verification {
 Verification verify(const TriangleMesh& mesh, const Topology& before, const Topology& after, const Interval& changed,
                     const Contents& wanted);
 
+/// Whether one fixed point is elsewhere and all else as before: the same graph.
+Verification verifyMoved(const TriangleMesh& mesh, const Topology& before, const Topology& after, Index moved);
+
 }  // namespace stormfield

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "edit/cancel.h"
+#include "field/poincare_index.h"
 #include "topology/flows.h"
 
 namespace stormfield::test {
@@ -65,6 +66,14 @@ inline std::vector<std::pair<EntityRef, EntityRef>> pairsOf(const Topology& topo
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
+}
+
+/// Poincare indices of these faces.
+inline std::vector<int> poincareIndicesIn(const VectorField& field, const std::vector<Index>& faces) {
+  const std::vector<int> all = poincareIndices(field);
+  std::vector<int> indices;
+  for (const Index f : faces) indices.push_back(all[f]);
+  return indices;
 }
 
 inline int indexSum(const Topology& topology) {
