@@ -7,6 +7,7 @@ from bpy.props import EnumProperty
 from ..properties.element import TYPES
 from ..scene.read.active_field import active_field
 from ..scene.write.elements import add_element
+from .elements import PRESET_ITEMS, PRESETS
 from .shared import FieldOperator
 
 #: How far above the surface strokes are drawn, over the object's diagonal.
@@ -26,18 +27,32 @@ class STORMFIELD_OT_draw_element(FieldOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     type: EnumProperty(name="Type", description="What the strokes mean", items=TYPES, default="streamline")
+    preset: EnumProperty(
+        name="Preset",
+        description="What the strokes mean, by an example; it goes before the type",
+        items=(("NONE", "None", "The type says what they mean"), *PRESET_ITEMS),
+    )
+
+    @classmethod
+    def description(cls, _context, properties):
+        if properties.preset == "NONE":
+            return ""
+        _label, text, settings = PRESETS[properties.preset]
+        how = "Draw its path, or one short stroke" if settings["type"] == "singular" else "Draw it on the surface"
+        return f"{text}. {how}; every stroke belongs to one new element. Finish with Tab or Finish Drawing"
 
     def execute(self, context):
         obj = active_field(context)
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        data = bpy.data.curves.new({"singular": "Path"}.get(self.type, self.type.title()), "CURVE")
+        name, settings = self._meaning()
+        data = bpy.data.curves.new(name, "CURVE")
         data.dimensions = "3D"
         curve = bpy.data.objects.new(data.name, data)
         curve.parent = obj  # what is drawn is then in the mesh's own space and follows it
         for collection in obj.users_collection or [context.scene.collection]:
             collection.objects.link(curve)
-        add_element(obj, curve, type=self.type)
+        add_element(obj, curve, **settings)
         bpy.ops.object.select_all(action="DESELECT")
         obj.select_set(True)
         curve.select_set(True)
@@ -52,6 +67,13 @@ class STORMFIELD_OT_draw_element(FieldOperator, bpy.types.Operator):
             bpy.ops.wm.tool_set_by_id(name="builtin.draw")
         self.report({"INFO"}, f"Draw on '{obj.name}'; Tab when done")
         return {"FINISHED"}
+
+    def _meaning(self) -> tuple[str, dict[str, object]]:
+        """Name and settings of the new element."""
+        if self.preset != "NONE":
+            label, _text, settings = PRESETS[self.preset]
+            return label, settings
+        return next(label for key, label, *_ in TYPES if key == self.type), {"type": self.type}
 
 
 class STORMFIELD_OT_finish_drawing(FieldOperator, bpy.types.Operator):

@@ -11,15 +11,19 @@ from ..scene.write.elements import add_element, default_radius
 from .shared import ElementOperator, FieldOperator
 
 #: What artists ask for by name: element settings in one click.
-PRESETS = {
+PRESETS: dict[str, tuple[str, str, dict[str, object]]] = {
     "CYCLONE": ("Cyclone", "Turns left and flows in", {"type": "singular", "kind": "spiral_in_ccw"}),
     "ANTICYCLONE": ("Anticyclone", "Turns right and flows out", {"type": "singular", "kind": "spiral_out_cw"}),
     "EYE": ("Still Eye", "Turns left without flowing in or out", {"type": "singular", "kind": "vortex_ccw"}),
     "SPRING": ("Spring", "Everything flows away from here", {"type": "singular", "kind": "source"}),
     "DRAIN": ("Drain", "Everything flows to here", {"type": "singular", "kind": "sink"}),
+    "SADDLE": ("Crossing", "Two streams meet and part (a saddle)", {"type": "singular", "kind": "saddle"}),
     "JET": ("Jet", "A fast stream along the curve", {"type": "streamline", "strength": 0.5}),
     "CALM": ("Calm Stream", "A slow stream along the curve", {"type": "streamline", "strength": 0.08}),
+    "PARTICLE": ("Particle Path", "A particle travels along the curve in the time of the design", {"type": "pathline"}),
+    "WIND": ("Wind", "The flow has the direction of the curve there", {"type": "regular"}),
 }
+PRESET_ITEMS = tuple((key, label, text) for key, (label, text, _settings) in PRESETS.items())
 
 
 def is_animated(obj: bpy.types.Object) -> bool:
@@ -151,7 +155,7 @@ class STORMFIELD_OT_element_preset(ElementOperator, bpy.types.Operator):
     bl_label = "Element Preset"
     bl_options = {"REGISTER", "UNDO"}
 
-    preset: EnumProperty(items=tuple((key, label, text) for key, (label, text, _) in PRESETS.items()))
+    preset: EnumProperty(items=PRESET_ITEMS)
 
     def execute(self, context):
         element = active_field(context).stormfield.active()

@@ -5,6 +5,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from .. import compat
+from ..scene.read import user_preferences
 from ..scene.read.active_field import active_field
 from ..scene.write import analysis_objects, attach, timeline
 from ..scene.write.lambda_keys import key_lambda_over_scene
@@ -12,14 +13,16 @@ from .shared import FieldOperator
 
 
 class STORMFIELD_OT_add_field(bpy.types.Operator):
-    """Design a field on the active mesh; λ is keyed from 0 to 1 over the scene's frames"""
+    """Design a flow on the active mesh; its time (λ) is keyed from 0 to 1 over the scene's frames"""
 
     bl_idname = "stormfield.add_field"
     bl_label = "Add Field"
     bl_options = {"REGISTER", "UNDO"}
 
     key_lambda: BoolProperty(
-        name="Key λ", description="Key λ from 0 at the first frame of the scene to 1 at the last", default=True
+        name="Key Time",
+        description="Key the time along the design (λ) from 0 at the first frame of the scene to 1 at the last",
+        default=True,
     )
 
     @classmethod
@@ -44,6 +47,7 @@ class STORMFIELD_OT_add_field(bpy.types.Operator):
     def execute(self, context):
         obj = context.object
         obj.stormfield.enabled = True
+        obj.stormfield.solve.samples = user_preferences.read().samples
         if self.key_lambda and compat.find_fcurve(obj, "stormfield.lam") is None:
             key_lambda_over_scene(context.scene, obj)
         self.report({"INFO"}, f"'{obj.name}' has a field now; add elements to shape its flow")
@@ -71,10 +75,10 @@ class STORMFIELD_OT_remove_field(FieldOperator, bpy.types.Operator):
 
 
 class STORMFIELD_OT_key_lambda(FieldOperator, bpy.types.Operator):
-    """Key λ from 0 at the first frame of the scene to 1 at the last; shape its F-curve in the Graph Editor"""
+    """Key the time along the design (λ) from 0 at the scene's first frame to 1 at its last; shape its F-curve freely"""
 
     bl_idname = "stormfield.key_lambda"
-    bl_label = "Key λ over Scene"
+    bl_label = "Key Time over Scene"
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):

@@ -7,13 +7,26 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
 TYPES = (
-    ("singular", "Singular", "A fixed point: at an empty, or moving along a curve as λ grows", "FORCE_VORTEX", 0),
-    ("streamline", "Streamline", "The field follows the curve over the whole λ range", "CURVE_PATH", 1),
-    ("pathline", "Pathline", "A particle travels along the curve as λ grows from start to end", "TRACKING", 2),
+    (
+        "singular",
+        "Storm",
+        "The flow turns around, leaves or meets a point: at an empty, or moving along a curve as time along the design "
+        "passes (a singular element: a fixed point of the field)",
+        "FORCE_VORTEX",
+        0,
+    ),
+    ("streamline", "Stream", "The flow follows the curve from its start to its end (a streamline)", "CURVE_PATH", 1),
+    (
+        "pathline",
+        "Particle Path",
+        "A particle travels along the curve as time along the design passes from start to end (a pathline)",
+        "TRACKING",
+        2,
+    ),
     (
         "regular",
-        "Regular",
-        "The field has one direction here: the empty's X axis, or from curve start to curve end",
+        "Wind Direction",
+        "The flow has one direction here: the empty's X axis, or from curve start to curve end (a regular element)",
         "FORWARD",
         3,
     ),
@@ -52,16 +65,16 @@ class ElementProperties(bpy.types.PropertyGroup):
         "it may be animated, and hidden",
     )
     type: EnumProperty(name="Type", description="What the source object means for the field", items=TYPES)
-    kind: EnumProperty(name="Kind", description="How the field flows around the fixed point", items=KINDS)
+    kind: EnumProperty(name="Kind", description="How the flow moves around the point", items=KINDS)
     field: EnumProperty(name="Field", description="Which of the two fields the element shapes", items=FIELDS)
     from_animation: BoolProperty(
         name="From Animation",
         default=False,
-        description="λ follows the keyframes: the source's place at each frame counts at that frame's λ",
+        description="Time follows the keyframes: the source's place at each frame counts at that frame's λ",
     )
     lam_start: FloatProperty(
-        name="λ Start",
-        description="λ at which the element begins (0..1, no unit)",
+        name="Starts at",
+        description="Time along the design (λ, 0..1) at which the element begins",
         min=0.0,
         max=1.0,
         default=0.0,
@@ -69,8 +82,8 @@ class ElementProperties(bpy.types.PropertyGroup):
         step=1,
     )
     lam_end: FloatProperty(
-        name="λ End",
-        description="λ at which the element ends (0..1, no unit)",
+        name="Ends at",
+        description="Time along the design (λ, 0..1) at which the element ends",
         min=0.0,
         max=1.0,
         default=1.0,

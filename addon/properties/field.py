@@ -37,9 +37,9 @@ def _element_chosen(self, _context) -> None:
 class FieldProperties(bpy.types.PropertyGroup):
     enabled: BoolProperty(name="Has Field", description="Stormfield designs a field on this mesh", default=False)
     lam: FloatProperty(
-        name="λ",
-        description="The parameter of the design, from 0 to 1 (no unit). Keyframe it: the F-curve sets how fast "
-        "the field changes in time, and changing it needs no new solve",
+        name="Time along Design (λ)",
+        description="How far the design has come: λ, from 0 at its begin to 1 at its end (no unit). Keyframe it: the "
+        "F-curve sets how fast the field changes in time, and changing it needs no new solve",
         min=0.0,
         max=1.0,
         default=0.0,

@@ -11,17 +11,18 @@ DEFAULTS = SolveSettings()
 
 class SolveProperties(bpy.types.PropertyGroup):
     samples: IntProperty(
-        name="λ Samples",
-        description="Number of fields solved between λ = 0 and λ = 1 (count); linear between them",
+        name="Time Samples",
+        description="Moments that are solved between the begin of the design and its end (count of λ samples): "
+        "more show faster storms more exactly",
         min=2,
         soft_max=200,
         max=2000,
         default=DEFAULTS.samples,
     )
     lambda_weight: FloatProperty(
-        name="λ Stiffness",
-        description="How strongly the field resists change along λ against change over the surface "
-        "(ratio, no unit): higher is calmer in time, lower follows the elements more closely",
+        name="Calmness",
+        description="How strongly the field resists change in time against change over the surface (stiffness along λ, "
+        "ratio, no unit): higher is calmer, lower follows the elements more closely",
         min=0.01,
         soft_max=100.0,
         max=10000.0,
@@ -58,7 +59,7 @@ class SolveProperties(bpy.types.PropertyGroup):
         step=0.01,
     )
     keep_solver: BoolProperty(
-        name="Keep Solver",
+        name="Start from Last Solve",
         description="Keep the solver's state between edits (some 40 bytes per vertex and λ sample): solving again "
         "starts from the last field and takes about half the time. A bake solves from zero first, so its files "
         "never depend on earlier edits",

@@ -3,16 +3,15 @@
 
 import bpy
 
-from . import analysis_panels, graph_editor, icons, lists, menus, morse_panels, overlay, panels, pick
+from . import analysis_panels, graph_editor, icons, lists, menus, morse_panels, overlay, panels, pick, pictures
 
 CLASSES = (
     *lists.CLASSES,
     *menus.CLASSES,
     *graph_editor.CLASSES,
-    *panels.CLASSES[:4],
+    *panels.CLASSES,
     *analysis_panels.CLASSES,
     *morse_panels.CLASSES,
-    *panels.CLASSES[4:],
     *analysis_panels.LATER,
     *pick.CLASSES,
 )
@@ -30,6 +29,7 @@ def unregister() -> None:
     overlay.unregister()
     graph_editor.unregister()
     icons.unregister()
+    pictures.unregister()
     bpy.types.VIEW3D_MT_add.remove(menus.draw_add_menu)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

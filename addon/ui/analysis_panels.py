@@ -25,6 +25,7 @@ EMPTY = {
 class STORMFIELD_PT_analysis(FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_analysis"
     bl_label = "Analysis"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout = self.layout
@@ -66,6 +67,7 @@ class STORMFIELD_PT_analysis(FieldPanel, bpy.types.Panel):
 
 class STORMFIELD_PT_curves(FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_curves"
+    bl_parent_id = "STORMFIELD_PT_analysis"
     bl_label = "Curves"
     bl_options = {"DEFAULT_CLOSED"}
 

@@ -1,21 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Menus: what a drawn or selected curve means, places for fixed points, presets, and Add → Stormfield."""
+"""Menus: what a selected curve means, places for storms, presets, and Add → Stormfield."""
 
 import bpy
 
 from ..operators.elements import PRESETS
 from ..properties.element import KINDS, TYPES
-
-
-class STORMFIELD_MT_draw(bpy.types.Menu):
-    bl_idname = "STORMFIELD_MT_draw"
-    bl_label = "Draw on Surface"
-    bl_description = "Draw curves on the surface with Blender's own Draw tool"
-
-    def draw(self, _context):
-        for key, label, _text, icon, _number in TYPES:
-            name = "Singularity Path" if key == "singular" else label
-            self.layout.operator("stormfield.draw_element", text=name, icon=icon).type = key
+from . import pictures
 
 
 class STORMFIELD_MT_add_selected(bpy.types.Menu):
@@ -25,28 +15,31 @@ class STORMFIELD_MT_add_selected(bpy.types.Menu):
 
     def draw(self, _context):
         for key, label, _text, icon, _number in TYPES:
-            name = "Singular (path or point)" if key == "singular" else label
-            self.layout.operator("stormfield.add_elements", text=name, icon=icon).type = key
+            self.layout.operator("stormfield.add_elements", text=label, icon=icon).type = key
 
 
 class STORMFIELD_MT_place(bpy.types.Menu):
     bl_idname = "STORMFIELD_MT_place"
     bl_label = "Place at Cursor"
-    bl_description = "Place a fixed point on the surface nearest to the 3D cursor"
+    bl_description = "Place a storm, spring or drain on the surface nearest to the 3D cursor"
 
     def draw(self, _context):
         for key, label, *_ in KINDS:
             self.layout.operator("stormfield.place_element", text=label).kind = key
 
 
-class STORMFIELD_MT_element_presets(bpy.types.Menu):
-    bl_idname = "STORMFIELD_MT_element_presets"
-    bl_label = "Element Presets"
-    bl_description = "Settings of the active element in one click"
+class STORMFIELD_MT_element_list(bpy.types.Menu):
+    bl_idname = "STORMFIELD_MT_element_list"
+    bl_label = "Elements"
+    bl_description = "Move the active element in the list, or give it the settings of a preset"
 
     def draw(self, _context):
+        layout = self.layout
+        layout.operator("stormfield.move_element", text="Move Up", icon="TRIA_UP").direction = "UP"
+        layout.operator("stormfield.move_element", text="Move Down", icon="TRIA_DOWN").direction = "DOWN"
+        layout.separator()
         for key, (label, _text, _settings) in PRESETS.items():
-            self.layout.operator("stormfield.element_preset", text=label).preset = key
+            layout.operator("stormfield.element_preset", text=f"Make {label}", icon_value=pictures.of(key)).preset = key
 
 
 class STORMFIELD_MT_add(bpy.types.Menu):
@@ -64,9 +57,8 @@ def draw_add_menu(self, _context):
 
 
 CLASSES = (
-    STORMFIELD_MT_draw,
     STORMFIELD_MT_add_selected,
     STORMFIELD_MT_place,
-    STORMFIELD_MT_element_presets,
+    STORMFIELD_MT_element_list,
     STORMFIELD_MT_add,
 )

@@ -12,6 +12,7 @@ from .panel_parts import FieldPanel, hint, job_button, text_lines
 
 class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_morse"
+    bl_parent_id = "STORMFIELD_PT_analysis"
     bl_label = "Morse Sets"
     bl_options = {"DEFAULT_CLOSED"}
 

@@ -4,11 +4,13 @@
 import bpy
 from bl_ui.utils import PresetPanel
 
-from ..operators import bake, requirements, solve, transfer
+from .. import compat
+from ..operators import bake, elements, requirements, solve, transfer
+from ..scene.read import user_preferences
 from ..scene.read.active_field import active_field
 from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file
 from ..scene.write import mesh_edits
-from . import baked_caches, doubts, out_of_date
+from . import baked_caches, doubts, out_of_date, pictures
 from .panel_parts import FieldPanel, SidebarPanel, job_button, text_lines
 
 
@@ -46,9 +48,11 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
         row.operator("stormfield.remove_field", text="", icon="X")
         baked_caches.draw_offer(context, layout, obj)
         column = layout.column()
+        column.use_property_split = False
         column.use_property_decorate = True
         column.prop(obj.stormfield, "lam", slider=True)
-        layout.operator("stormfield.key_lambda", icon="KEY_HLT")
+        if compat.find_fcurve(obj, "stormfield.lam") is None:
+            layout.operator("stormfield.key_lambda", icon="KEY_HLT")
         if TURN in obj.modifiers:
             layout.prop(obj.stormfield, "speed_on")
 
@@ -62,44 +66,68 @@ class STORMFIELD_PT_elements(FieldPanel, bpy.types.Panel):
         obj = active_field(context)
         field = obj.stormfield
         if context.mode in {"EDIT_CURVE", "EDIT_CURVES"}:
-            layout.operator("stormfield.finish_drawing", icon="CHECKMARK")
+            row = layout.row()
+            row.scale_y = 1.4
+            row.operator("stormfield.finish_drawing", icon="CHECKMARK")
         else:
-            layout.menu("STORMFIELD_MT_draw", icon="GREASEPENCIL")
-        row = layout.row(align=True)
-        row.menu("STORMFIELD_MT_add_selected", text="From Selected", icon="RESTRICT_SELECT_OFF")
-        row.menu("STORMFIELD_MT_place", text="At Cursor", icon="PIVOT_CURSOR")
+            _draw_presets(layout)
         row = layout.row()
-        row.template_list("STORMFIELD_UL_elements", "", field, "elements", field, "active_element", rows=4)
+        row.template_list("STORMFIELD_UL_elements", "", field, "elements", field, "active_element", rows=3)
         column = row.column(align=True)
         column.operator("stormfield.remove_element", text="", icon="REMOVE")
-        column.separator()
-        column.operator("stormfield.move_element", text="", icon="TRIA_UP").direction = "UP"
-        column.operator("stormfield.move_element", text="", icon="TRIA_DOWN").direction = "DOWN"
-        column.separator()
-        column.menu("STORMFIELD_MT_element_presets", text="", icon="PRESET")
+        column.menu("STORMFIELD_MT_element_list", text="", icon="DOWNARROW_HLT")
         element = field.active()
         if element is not None:
-            _draw_element(layout, element)
+            _draw_element(context, layout, obj, element)
 
 
-def _draw_element(layout, element):
+#: Presets in a row of the panel.
+IN_A_ROW = 5
+
+
+def _draw_presets(layout):
+    """Draw on the surface: one picture for each kind of flow; below, what else may become an element."""
+    header, body = layout.panel("stormfield_presets", default_closed=False)
+    header.label(text="Draw on Surface", icon="GREASEPENCIL")
+    if body is None:
+        return
+    grid = body.grid_flow(row_major=True, columns=IN_A_ROW, even_columns=True, even_rows=True, align=True)
+    for key, (label, _text, _settings) in elements.PRESETS.items():
+        cell = grid.column(align=True)
+        cell.template_icon(icon_value=pictures.of(key), scale=2.0)
+        cell.operator("stormfield.draw_element", text=label).preset = key
+    row = body.row(align=True)
+    row.menu("STORMFIELD_MT_add_selected", text="From Selected", icon="RESTRICT_SELECT_OFF")
+    row.menu("STORMFIELD_MT_place", text="At Cursor", icon="PIVOT_CURSOR")
+
+
+def _draw_element(context, layout, obj, element):
     layout.use_property_split = True
     layout.use_property_decorate = False
     column = layout.column()
-    column.prop(element, "source")
     column.prop(element, "type")
     if element.type == "singular":
         column.prop(element, "kind")
-        if element.kind == "saddle":
-            column.prop(element, "angle")
-    column.prop(element, "field")
-    column.prop(element, "from_animation")
     if not element.from_animation:
         times = column.column(align=True)
         times.prop(element, "lam_start")
-        times.prop(element, "lam_end", text="End")
+        times.prop(element, "lam_end")
     column.prop(element, "strength")
     column.prop(element, "radius")
+    length = user_preferences.length_text(context, element.radius, max(obj.matrix_world.to_scale()))
+    if length:
+        column.label(text=f"Radius in the scene: {length}")
+    header, body = layout.panel("stormfield_element_more", default_closed=True)
+    header.label(text="More")
+    if body is None:
+        return
+    body.use_property_split, body.use_property_decorate = True, False
+    column = body.column()
+    column.prop(element, "source")
+    column.prop(element, "field")
+    if element.type == "singular" and element.kind == "saddle":
+        column.prop(element, "angle")
+    column.prop(element, "from_animation")
     column.prop(element, "hard")
 
 
@@ -120,16 +148,25 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
         if mesh_edits.is_paused(obj):
             job_button(context, layout, transfer.STORMFIELD_OT_transfer_field, obj, icon="MOD_DATA_TRANSFER")
         doubts.draw(context, layout, obj)
-        column = layout.column()
-        column.prop(settings, "even_speed", slider=True)
-        column.prop(settings, "lambda_weight")
-        column.prop(settings, "samples")
-        column.prop(settings, "tolerance")
-        column.prop(settings, "weld")
-        column.prop(settings, "keep_solver")
+        _draw_solve_settings(layout, settings)
         file = attached_file(obj, LAMBDA)
         if file is not None and not file.exists():
             text_lines(context, layout, f"The λ cache is missing: {file.parent}. Solve again", icon="ERROR")
+
+
+def _draw_solve_settings(layout, settings):
+    header, body = layout.panel("stormfield_solve_settings", default_closed=True)
+    header.label(text="Settings")
+    if body is None:
+        return
+    body.use_property_split, body.use_property_decorate = True, False
+    column = body.column()
+    column.prop(settings, "even_speed", slider=True)
+    column.prop(settings, "lambda_weight")
+    column.prop(settings, "samples")
+    column.prop(settings, "tolerance")
+    column.prop(settings, "weld")
+    column.prop(settings, "keep_solver")
 
 
 class STORMFIELD_PT_bake(FieldPanel, bpy.types.Panel):
@@ -212,7 +249,7 @@ CLASSES = (
     STORMFIELD_PT_field,
     STORMFIELD_PT_elements,
     STORMFIELD_PT_solve,
-    STORMFIELD_PT_bake,
-    STORMFIELD_PT_shading,
     STORMFIELD_PT_look,
+    STORMFIELD_PT_shading,
+    STORMFIELD_PT_bake,
 )

@@ -364,3 +364,20 @@ def test_solve_takes_every_stroke_of_an_edited_curve(ball, native, stroke):
         stroke()
         _, design = read_design(bpy.context, ball)
         assert len(design.elements) == strokes
+
+
+def test_each_preset_is_drawn_with_its_meaning_and_has_a_picture(ball):
+    from stormfield.operators.elements import PRESETS
+    from stormfield.ui import pictures
+
+    for key, (label, _text, settings) in PRESETS.items():
+        assert bpy.ops.stormfield.draw_element(preset=key) == {"FINISHED"}
+        bpy.ops.object.mode_set(mode="OBJECT")
+        element = ball.stormfield.elements[-1]
+        assert element.name == label and element.source.type == "CURVE"
+        assert all(
+            getattr(element, name) == pytest.approx(value) for name, value in settings.items() if name == "strength"
+        )
+        assert all(getattr(element, name) == value for name, value in settings.items() if name != "strength")
+        assert (pictures.FOLDER / f"{key.lower()}.png").is_file()
+    assert {path.stem for path in pictures.FOLDER.glob("*.png")} == {key.lower() for key in PRESETS}
