@@ -69,7 +69,7 @@ def solve_steps(
         streams = native.start_stream_functions(solution.fields["advection"])
         stream = yield from result_of(streams, SOLVE_END, "Finding the stream functions", STREAM_END)
         yield Step(STREAM_END, "Writing the samples", notes=solution.notes)
-        samples = (fields.attributes_of(solution, stream, j) for j in range(len(lambdas)))
+        samples = fields.attributes_of(solution, stream, range(len(lambdas)))
         yield from scaled(writer.write_all(samples), STREAM_END, 1.0)
     yield from scaled(writer.finish(), 1.0, 1.0)
     return target

@@ -25,7 +25,7 @@ from ..model.polygons import Polygons
 from ..solve import Solution
 from ..solve.carried import Carried
 from ..version import VERSION
-from ..work import Step, Steps, between, result_of, scaled
+from ..work import Step, Steps, result_of, scaled
 from .unfinished import unfinished
 
 #: Parts of the new mesh that nowhere come closer to the old one than this part of its diagonal have no field.
@@ -44,11 +44,10 @@ def transfer_steps(cache: FieldCache, mesh: MeshData, root: Path, polygons: Poly
         solution = yield from scaled(_carried(cache, mesh), 0.0, READ_END)
         streams = native.start_stream_functions(solution.fields["advection"])
         stream = yield from result_of(streams, READ_END, "Finding the stream functions", STREAM_END)
-        for done, j in enumerate(missing):
-            message = f"Writing sample {j + 1} of {len(plan.times)}"
-            yield Step(between(STREAM_END, 1.0, done / len(missing)), message, notes=() if done else solution.notes)
-            writer.write_sample(j, fields.attributes_of(solution, stream, j))
-    yield from writer.finish()
+        yield Step(STREAM_END, "Writing the samples", notes=solution.notes)
+        samples = fields.attributes_of(solution, stream, range(len(plan.times)))
+        yield from scaled(writer.write_all(samples), STREAM_END, 1.0)
+    yield from scaled(writer.finish(), 1.0, 1.0)
     return target
 
 

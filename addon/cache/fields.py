@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Between the solver's fields and the attributes of a cache."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from ..model.design import SolveSettings
 from ..model.manifold import Manifold, manifold
 from ..model.mesh_data import MeshData
 from .field_cache import FieldCache
-from .rotation import rotation
+from .rotation import Rotation
 from .usd import per_polygon
 
 ORIENTATION, ADVECTION, SPEED, STREAM = "sf_orientation", "sf_advection", "sf_speed", "sf_stream"
@@ -21,13 +21,16 @@ ATTRIBUTES = (ORIENTATION, ADVECTION, SPEED, STREAM, ROTATION)
 ATTRIBUTE = {"orientation": ORIENTATION, "advection": ADVECTION}
 
 
-def attributes_of(solution, stream: np.ndarray, index: int) -> dict[str, np.ndarray]:
-    """The vertex attributes of one sample of a Solution, float32; stream: (s, n), of its advection field."""
+def attributes_of(solution, stream: np.ndarray, indices: Iterable[int]) -> Iterator[dict[str, np.ndarray]]:
+    """The vertex attributes of these samples of a Solution, float32; stream: (s, n), of its advection field."""
+    rotation = Rotation(solution.fields["advection"].mesh)
+    return (_attributes(solution, stream[index], rotation, index) for index in indices)
+
+
+def _attributes(solution, stream: np.ndarray, rotation: Rotation, index: int) -> dict[str, np.ndarray]:
     vectors = {attribute: solution.fields[name].sample(index).to_space() for name, attribute in ATTRIBUTE.items()}
     speed = np.linalg.norm(vectors[ADVECTION], axis=1)
-    mesh = solution.fields["advection"].mesh
-    turning = rotation(mesh, vectors[ADVECTION])
-    attributes = {**vectors, SPEED: speed, STREAM: stream[index], ROTATION: turning}
+    attributes = {**vectors, SPEED: speed, STREAM: stream, ROTATION: rotation.of(vectors[ADVECTION])}
     return {name: np.asarray(solution.to_mesh(values), np.float32) for name, values in attributes.items()}
 
 

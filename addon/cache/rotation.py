@@ -13,19 +13,22 @@ import numpy as np
 from .. import native
 
 
-def rotation(mesh: native.TriangleMesh, vectors: np.ndarray) -> np.ndarray:
-    """(n,) of tangent vectors (n, 3) in space; 0 at vertices without faces."""
-    triangles = mesh.triangles
-    corners, flow = mesh.vertices[triangles], vectors[triangles]
-    circulation = np.zeros(len(triangles))
-    for k in range(3):
-        after = (k + 1) % 3
-        edge = corners[:, after] - corners[:, k]
-        circulation += np.einsum("ij,ij->i", flow[:, k] + flow[:, after], edge) / 2
-    count = mesh.vertex_count
+class Rotation:
+    """The rotation of fields on one mesh. What does not depend on the field is computed once."""
 
-    def around_vertices(per_face: np.ndarray) -> np.ndarray:
-        return np.bincount(triangles.ravel(), np.repeat(per_face, 3), minlength=count)
+    def __init__(self, mesh: native.TriangleMesh) -> None:
+        self._triangles = mesh.triangles
+        corners = mesh.vertices[self._triangles]
+        # Each corner's vector counts in both edges that end there: together half of the edge opposite to it.
+        self._edges = np.stack([corners[:, (k + 1) % 3] - corners[:, (k + 2) % 3] for k in range(3)], axis=1) / 2
+        self._count = mesh.vertex_count
+        area = self._around_vertices(mesh.face_areas)
+        self._per_area = np.divide(1.0, area, out=np.zeros_like(area), where=area > 0)
 
-    area = around_vertices(mesh.face_areas)
-    return np.divide(around_vertices(circulation), area, out=np.zeros(count), where=area > 0)
+    def of(self, vectors: np.ndarray) -> np.ndarray:
+        """(n,) of tangent vectors (n, 3) in space; 0 at vertices without faces."""
+        circulation = np.einsum("mki,mki->m", vectors[self._triangles], self._edges)
+        return self._around_vertices(circulation) * self._per_area
+
+    def _around_vertices(self, per_face: np.ndarray) -> np.ndarray:
+        return np.bincount(self._triangles.ravel(), np.repeat(per_face, 3), minlength=self._count)

@@ -2,7 +2,7 @@
 """The rotation of rigid motion is twice its angular speed; a field from a potential has none."""
 
 import numpy as np
-from stormfield.cache.rotation import rotation
+from stormfield.cache.rotation import Rotation
 from stormfield.native import TriangleMesh
 
 
@@ -19,16 +19,16 @@ def disc(steps: int = 24) -> tuple[np.ndarray, np.ndarray]:
 def test_rigid_rotation_has_twice_its_angular_speed():
     vertices, triangles = disc()
     vectors = 1.5 * np.cross([0.0, 0.0, 1.0], vertices)
-    assert np.allclose(rotation(TriangleMesh(vertices, triangles), vectors), 3.0)
-    assert np.allclose(rotation(TriangleMesh(vertices, triangles[:, ::-1]), vectors), -3.0)
+    assert np.allclose(Rotation(TriangleMesh(vertices, triangles)).of(vectors), 3.0)
+    assert np.allclose(Rotation(TriangleMesh(vertices, triangles[:, ::-1])).of(vectors), -3.0)
 
 
 def test_a_source_has_none():
     vertices, triangles = disc()
-    assert np.allclose(rotation(TriangleMesh(vertices, triangles), vertices), 0.0)
+    assert np.allclose(Rotation(TriangleMesh(vertices, triangles)).of(vertices), 0.0)
 
 
 def test_vertices_without_faces_have_none():
     vertices, triangles = disc()
     vertices = np.vstack([vertices, [5.0, 5.0, 5.0]])
-    assert rotation(TriangleMesh(vertices, triangles), vertices)[-1] == 0.0
+    assert Rotation(TriangleMesh(vertices, triangles)).of(vertices)[-1] == 0.0
