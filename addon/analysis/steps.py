@@ -17,7 +17,7 @@ import numpy as np
 
 from .. import native
 from ..cache.field_cache import FieldCache
-from ..cache.fields import native_mesh
+from ..cache.fields import native_mesh, solved_surface
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
 from ..model.words import MorseOptions
@@ -49,14 +49,15 @@ def tracking_steps(cache: FieldCache, mesh: MeshData, attribute: str, persistenc
     lambdas = cache.lambdas
     if len(lambdas) < 2:
         raise InputError("the cache has one sample of λ; solve with at least two to see what changes between them")
-    surface = yield from surface_steps(mesh)
-    tangents = np.empty((len(lambdas), len(mesh.vertices)), np.complex128)
+    taken = solved_surface(cache, mesh)
+    surface = yield from surface_steps(taken.mesh)
+    tangents = np.empty((len(lambdas), surface.vertex_count), np.complex128)
     for index in range(len(lambdas)):
         yield Step(READ * index / len(lambdas), f"Reading sample {index + 1} of {len(lambdas)}")
         sample = cache.sample(index)
         if attribute not in sample:
             raise InputError(f"{cache.folder}: has no {attribute}; solve again")
-        tangents[index] = surface.to_tangent(sample[attribute].astype(np.float64))
+        tangents[index] = surface.to_tangent(taken.to_surface(sample[attribute]).astype(np.float64))
     field = native.ParameterizedField(surface, lambdas, tangents)
     region = region_without_field(surface, tangents)
     yield from _note(region)

@@ -62,6 +62,7 @@ class Manifold:
     number: np.ndarray  #: (n,) the vertex of the surface that stands for each vertex of the mesh, -1 for none
     origin: np.ndarray  #: (k,) the vertex of the mesh that each vertex of the surface comes from
     corners: np.ndarray  #: (m, 3) 3 · triangle + corner of the mesh, for each corner of the surface
+    faces: int  #: triangles of the mesh
     joints: np.ndarray  #: (3 m,) the vertex of the mesh at each corner of the surface, the same for joined ones
     remarks: Remarks
 
@@ -86,6 +87,14 @@ class Manifold:
         carried = values[self.number]
         carried[self.number < 0] = 0
         return carried
+
+    def of_triangles(self, values: np.ndarray) -> np.ndarray:
+        """(m,) integers of the surface's triangles → of the mesh's, -1 where the surface has none."""
+        if self.same:
+            return values
+        found = np.full(self.faces, -1, np.int32)
+        found[self.triangles] = values
+        return found
 
 
 def manifold(mesh: MeshData, weld: float = 0.0) -> Manifold:
@@ -124,9 +133,8 @@ def _is_readable(points: np.ndarray, triangles: np.ndarray) -> bool:
 def _same(mesh: MeshData) -> Manifold:
     vertices, none = np.arange(len(mesh.vertices)), np.zeros(0, np.int64)
     corners = np.arange(3 * len(mesh.triangles)).reshape(-1, 3)
-    return Manifold(
-        mesh, vertices, vertices, corners, mesh.triangles.ravel(), Remarks(none, none, none, none, none, none)
-    )
+    remarks = Remarks(none, none, none, none, none, none)
+    return Manifold(mesh, vertices, vertices, corners, len(corners), mesh.triangles.ravel(), remarks)
 
 
 def _one_fan_each(triangles: np.ndarray, fans: np.ndarray, count: int) -> bool:
@@ -151,9 +159,8 @@ def _cut_out(mesh, merged, triangles, corners, fans, mates, inward, remarks: Rem
     surface[inward], corners = surface[inward][:, ::-1], np.where(inward[:, None], corners[:, ::-1], corners)
     uv_layers = {name: uv.reshape(-1, 2)[corners] for name, uv in mesh.uv_layers.items()}
     data = MeshData(mesh.vertices[first[order]], surface, uv_layers)
-    return Manifold(
-        data, number[merged], first[order], corners, merged[mesh.triangles].ravel()[corners.ravel()], remarks
-    )
+    joints = merged[mesh.triangles.ravel()[corners.ravel()]]
+    return Manifold(data, number[merged], first[order], corners, len(mesh.triangles), joints, remarks)
 
 
 def _stand_ins(points: np.ndarray, vertices: np.ndarray, surface: np.ndarray, mates: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from ..analysis.seeds import even_seeds, vertex_seeds
 from ..model.errors import InputError
 from ..scene.nodes import growth
 from ..scene.read.attached import LAMBDA, attached_folder
-from ..scene.read.current_field import cache_of, read_current
+from ..scene.read.current_field import cache_of, read_current, surface_in
 from ..scene.read.lambda_keys import lambda_at_frames
 from ..scene.read.mesh import read_mesh
 from ..scene.write.curve_objects import make_curves
@@ -118,22 +118,24 @@ class STORMFIELD_OT_pathlines(AnalysisOperator, bpy.types.Operator):
         if attached_folder(obj, LAMBDA) is not None:
             mesh, attribute = read_mesh(obj), obj.stormfield.look.shown_field
             cache = cache_of(obj, mesh)
+            surface = surface_in(obj, mesh)
             lambdas = cache.lambdas
-            read_sample = lambda j: cache.sample(j)[attribute]  # noqa: E731
+            read_sample = lambda j: surface.to_surface(cache.sample(j)[attribute])  # noqa: E731
         else:
             field = read_current(context, obj)
-            mesh, lambdas = field.mesh, np.zeros(1)
+            surface, lambdas = field.surface, np.zeros(1)
             read_sample = lambda _j: field.values  # noqa: E731
         if self.seeds == "SELECTED":
             chosen = np.empty(len(obj.data.vertices), bool)
             obj.data.vertices.foreach_get("select", chosen)
             if not chosen.any():
                 raise InputError(f"no vertex of '{obj.name}' is selected; select some in Edit Mode")
-            seeds_of = lambda surface: vertex_seeds(surface, np.flatnonzero(chosen))  # noqa: E731
+            numbers = surface.number[chosen]
+            seeds_of = lambda mesh: vertex_seeds(mesh, np.unique(numbers[numbers >= 0]))  # noqa: E731
         else:
             count, seed = self.count, self.seed
-            seeds_of = lambda surface: even_seeds(surface, count, seed)  # noqa: E731
-        return flow_curve_steps(mesh, lambdas, read_sample, seeds_of, settings)
+            seeds_of = lambda mesh: even_seeds(mesh, count, seed)  # noqa: E731
+        return flow_curve_steps(surface.mesh, lambdas, read_sample, seeds_of, settings)
 
     def finish(self, _context, obj, drawing):
         curves = make_curves(

@@ -16,6 +16,7 @@ import numpy as np
 from .. import native
 from ..analysis.mcg import morse_graph
 from ..analysis.steps import native_field
+from ..model.manifold import Manifold
 from ..scene.read.bake_task import read_morse_settings
 from ..scene.read.current_field import read_current
 from ..scene.write.selection import redraw
@@ -37,6 +38,7 @@ class Preview:
 class _Work:
     job: native.MorseJob
     surface: native.TriangleMesh
+    taken: Manifold  #: how it belongs to the object's mesh
     lam: float
 
 
@@ -111,7 +113,7 @@ def _begin(obj: bpy.types.Object) -> None:
     except (ValueError, RuntimeError, OSError):
         _previews.pop(obj.session_uid, None)  # no field yet: the panel says why
         return
-    _work[obj.session_uid] = _Work(job, surface, field.lam)
+    _work[obj.session_uid] = _Work(job, surface, field.surface, field.lam)
 
 
 def _collect_results() -> None:
@@ -128,5 +130,5 @@ def _collect_results() -> None:
         _count += 1
         graph = morse_graph(found, work.surface, work.lam)
         kinds = [entity.kind for entity in graph.entities]
-        _previews[uid] = Preview(np.asarray(found.face_sets), kinds, work.lam, _count)
+        _previews[uid] = Preview(work.taken.of_triangles(np.asarray(found.face_sets)), kinds, work.lam, _count)
         redraw()

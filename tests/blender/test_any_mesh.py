@@ -201,3 +201,22 @@ def test_a_profile_whose_faces_a_modifier_makes_names_the_cure(scene):
     bpy.context.view_layer.objects.active = obj
     with pytest.raises(RuntimeError, match="made by its modifiers; make them its own: Object, Convert, Mesh"):
         bpy.ops.stormfield.add_field()
+
+
+@pytest.mark.parametrize("fault", [fault for fault, _said in FAULTS])
+def test_such_a_mesh_is_analyzed(plane, scene, fault):
+    edited(plane, fault)
+    scene.frame_end = 4
+    plane.stormfield.solve.samples = 3
+    bpy.ops.stormfield.solve()
+    assert bpy.ops.stormfield.analyze() == {"FINISHED"}
+    middle = [e for e in plane.stormfield.analysis.ecg.items if np.linalg.norm(e.position) < 0.1]
+    assert [entity.kind for entity in middle] == ["center"] or middle[0].kind in {"source", "sink"}
+    assert bpy.ops.stormfield.analyze_lambda() == {"FINISHED"}
+    assert bpy.ops.stormfield.streamlines() == {"FINISHED"}
+    assert bpy.ops.stormfield.pathlines(count=5) == {"FINISHED"}
+    assert bpy.ops.stormfield.morse_sets() == {"FINISHED"}
+    sets = [value.value for value in plane.data.attributes["sf_morse"].data]
+    assert len(sets) == len(plane.data.polygons)
+    near = min(plane.data.polygons, key=lambda polygon: polygon.center.length).index
+    assert sets[near] >= 0

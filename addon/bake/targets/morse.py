@@ -98,7 +98,6 @@ class MorseSamples:
     def __init__(self, cache: FieldCache, mesh: MeshData, settings: MorseSettings):
         self._cache, self._settings = cache, settings
         self._surface = fields.solved_surface(cache, mesh)
-        self._triangles = len(mesh.triangles)
         self._mesh = fields.native_mesh(self._surface.mesh)
         self._areas = self._mesh.face_areas
         self._centres = self._mesh.vertices[self._mesh.triangles].mean(axis=1)
@@ -129,17 +128,9 @@ class MorseSamples:
         self._count += len(fresh)
         self._last = field, Sets(of, kinds, numbers)
         return {
-            name: polygons.of_triangle_values(self._of_mesh(_at(values, of)))
+            name: polygons.of_triangle_values(self._surface.of_triangles(_at(values, of)))
             for name, values in ((MORSE, numbers), (KIND, kinds))
         }
-
-    def _of_mesh(self, values: np.ndarray) -> np.ndarray:
-        """Values of the surface's triangles for those of the mesh, -1 where it has none."""
-        if self._surface.same:
-            return values
-        all_values = np.full(self._triangles, -1, np.int32)
-        all_values[self._surface.triangles] = values
-        return all_values
 
 
 def continued(before: Sets, after: Sets, around: np.ndarray, areas: np.ndarray, centres: np.ndarray) -> np.ndarray:

@@ -2,7 +2,8 @@
 """The field as the artist sees it now, and the cache of all λ, for analyses.
 
 Values are those of the attribute on the evaluated mesh; where later modifiers have changed its vertices or turned its
-vectors, those of the λ cache at the current λ. Both belong to the vertices of the object's own mesh.
+vectors, those of the λ cache at the current λ. Both belong to the vertices of the object's own mesh; analyses take the
+surface in it.
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 
 from ...cache.field_cache import FieldCache, open_cache
 from ...model.errors import InputError
+from ...model.manifold import Manifold, manifold
 from ...model.mesh_data import MeshData
 from .attached import LAMBDA, TURN, attached_folder
 from .mesh import read_mesh
@@ -20,10 +22,11 @@ from .mesh import read_mesh
 
 @dataclass(frozen=True, eq=False)
 class CurrentField:
-    mesh: MeshData
-    values: np.ndarray  #: (n, 3) float64 at the vertices, mesh units per second
+    mesh: MeshData  #: the surface in the object's mesh
+    values: np.ndarray  #: (n, 3) float64 at its vertices, mesh units per second
     lam: float
     attribute: str
+    surface: Manifold  #: how that surface belongs to the object's mesh
 
 
 def why_no_field(obj: bpy.types.Object) -> str:
@@ -47,14 +50,24 @@ def read_current(context: bpy.types.Context, obj: bpy.types.Object) -> CurrentFi
         if found is not None and fits and (found.domain, found.data_type) == ("POINT", "FLOAT_VECTOR"):
             values = np.empty(len(mesh.vertices) * 3, np.float32)
             found.data.foreach_get("vector", values)
-            return CurrentField(mesh, values.reshape(-1, 3).astype(np.float64), lam, attribute)
+            return _on_surface(obj, mesh, values.reshape(-1, 3), lam, attribute)
     if attached_folder(obj, LAMBDA) is None:
         raise InputError(
             f"'{obj.name}' carries no {attribute} on its own vertices; solve first, or apply the modifiers "
             "that change the mesh"
         )
     cache = cache_of(obj, mesh)
-    return CurrentField(mesh, cache.at(lam)[attribute].astype(np.float64), lam, attribute)
+    return _on_surface(obj, mesh, cache.at(lam)[attribute], lam, attribute)
+
+
+def _on_surface(obj: bpy.types.Object, mesh: MeshData, values: np.ndarray, lam: float, attribute: str) -> CurrentField:
+    surface = surface_in(obj, mesh)
+    return CurrentField(surface.mesh, surface.to_surface(values).astype(np.float64), lam, attribute, surface)
+
+
+def surface_in(obj: bpy.types.Object, mesh: MeshData) -> Manifold:
+    """The surface in the mesh of an object, as Solve takes it."""
+    return manifold(mesh, obj.stormfield.solve.weld)
 
 
 def cache_of(obj: bpy.types.Object, mesh: MeshData) -> FieldCache:
