@@ -10,6 +10,7 @@ looked at again only when Blender reports a change of the mesh itself.
 """
 
 import json
+import time
 from dataclasses import dataclass, field
 
 import bpy
@@ -27,7 +28,12 @@ class _Known:
     asked: tuple = ()
     answer: str = ""
     mesh: dict[tuple, str] = field(default_factory=dict)  #: digest of the mesh, by its version
+    settings: tuple = ()
+    looked: tuple[int, float] = (-1, 0.0)  #: when settings were read: count of changes, seconds
 
+
+#: Seconds between two looks at settings while Blender reports no change.
+PAUSE = 0.25
 
 _known: dict[int, _Known] = {}
 _changes = 0
@@ -101,8 +107,16 @@ def _mesh_version(mesh: bpy.types.Mesh) -> tuple:
 
 
 def _settings(obj: bpy.types.Object) -> tuple:
-    """What scripts may set without Blender's knowledge."""
+    """What scripts may set without Blender's knowledge: in a window, which draws often, looked at after each PAUSE."""
+    known = _known.setdefault(obj.session_uid, _Known())
+    now = time.monotonic()
+    if bpy.app.background or known.looked[0] != _changes or now - known.looked[1] > PAUSE:
+        known.looked, known.settings = (_changes, now), _read_settings(obj)
+    return known.settings
+
+
+def _read_settings(obj: bpy.types.Object) -> tuple:
     elements = obj.stormfield.elements
-    return reading.settings_digest(obj), tuple(
-        (element.name, element.enabled, element.source, reading.values_of(element)) for element in elements
+    return reading.values_of(obj.stormfield.solve), tuple(
+        [(element.name, element.enabled, element.source, reading.values_of(element)) for element in elements]
     )

@@ -17,6 +17,7 @@ from ..model.design import Element
 from ..model.meetings import Meeting, meetings
 from ..scene.read import freshness as reading
 from ..scene.read.element_lines import element_lines
+from ..scene.read.lambda_keys import passages
 from ..session import freshness
 from . import drawing_cache, palette
 from . import element_shapes as shapes
@@ -96,8 +97,7 @@ class Shape:
 
 @dataclass
 class MeetingMark:
-    words: str  #: "merge at λ 0.60"
-    lam: float
+    words: str  #: "merge at λ 0.60, frame 54"
     position: np.ndarray  #: (3,) lifted
     normal: np.ndarray
 
@@ -145,7 +145,7 @@ def drawing_of(evaluated: bpy.types.Object) -> ElementsDrawing:
         shape.index = index
         kept.entries[element.name] = (entry, shape)
         found.append(shape)
-    marks = _meeting_marks(found, surface, mesh)
+    marks = _meeting_marks(obj, found, surface, mesh)
     kept.asked, kept.surface = asked, surface
     kept.drawing = ElementsDrawing(found, marks, kept.drawing.version + 1)
     return kept.drawing
@@ -190,11 +190,11 @@ def _heads(element, paths: Sequence[Path], size: float) -> list[np.ndarray]:
     return lines
 
 
-def _meeting_marks(found: list[Shape], surface: Surface, mesh) -> list[MeetingMark]:
+def _meeting_marks(obj, found: list[Shape], surface: Surface, mesh) -> list[MeetingMark]:
     marks = []
     for meeting in meetings(_plain(found)):
         (place,), (normal,) = lift(meeting.position[None], surface, mesh)
-        marks.append(MeetingMark(_said(meeting), meeting.lam, place, normal))
+        marks.append(MeetingMark(_said(obj, meeting), place, normal))
     return marks
 
 
@@ -215,8 +215,10 @@ def _plain(found: list[Shape]) -> list[Element]:
     ]
 
 
-def _said(meeting: Meeting) -> str:
-    return f"{meeting.words} at λ {meeting.lam:.2f}"
+def _said(obj: bpy.types.Object, meeting: Meeting) -> str:
+    frames = passages(obj, [meeting.lam])[0]
+    when = f", frame {frames[0][0]}" if frames else ""
+    return f"{meeting.words} at λ {meeting.lam:.2f}{when}"
 
 
 def _unit(vector: np.ndarray) -> np.ndarray:

@@ -7,7 +7,6 @@ import bpy
 import numpy as np
 
 from ..scene.read.active_field import active_field
-from ..scene.read.lambda_keys import passages
 from . import element_drawing, marker_drawing, palette, polylines, view_text
 from .element_drawing import ElementsDrawing, Shape
 from .marker_drawing import Marker
@@ -99,7 +98,5 @@ def draw_names(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy
         text = shape.name if not shape.moves else f"{shape.name}  λ {shape.lam[0]:.2f}–{shape.lam[1]:.2f}"
         texts.append((text, path.points[near], path.normals[near]))
     for mark in drawing.meetings:
-        frames = passages(obj, [mark.lam])[0]
-        when = f", frame {frames[0][0]}" if frames else ""
-        texts.append((mark.words + when, mark.position, mark.normal))
+        texts.append((mark.words, mark.position, mark.normal))
     view_text.draw(context, evaluated.matrix_world, texts)

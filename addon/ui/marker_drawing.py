@@ -9,10 +9,13 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import compat
-from . import markers
+from . import markers, palette
 
 #: Radius of a marker on screen, in pixels at 100 % interface scale.
 RADIUS = 7.0
+#: Batches that are kept while view and markers stay.
+KEPT = 24
+_batches: dict = {}
 _RING = np.linspace(0.0, 2.0 * np.pi, 33)
 
 
@@ -26,8 +29,32 @@ class Marker:
 
 def draw(context: bpy.types.Context, matrix_world, shown: Iterable[Marker]) -> None:
     """Draw markers of one object in view space; the caller has set blending and depth test."""
+    marks = list(shown)
+    if not marks:
+        return
+    view, region = context.region_data, context.region
+    key = (
+        np.array(matrix_world).tobytes(),
+        np.array(view.perspective_matrix).tobytes(),
+        (region.width, region.height, context.preferences.system.ui_scale, palette.name()),
+        tuple((mark.kind, mark.size, mark.opacity, mark.position.tobytes()) for mark in marks),
+    )
+    if key not in _batches:
+        if len(_batches) >= KEPT:
+            _batches.clear()
+        _batches[key] = _batch(context, np.array(matrix_world), marks)
+    made = _batches[key]
+    if made is not None:
+        made.draw(compat.builtin_shader("SMOOTH_COLOR"))
+
+
+def forget() -> None:
+    _batches.clear()
+
+
+def _batch(context: bpy.types.Context, matrix: np.ndarray, marks: list[Marker]):
+    """The markers as they face this view; None where all are behind the viewer."""
     view = context.region_data
-    matrix = np.array(matrix_world)
     perspective = np.array(view.perspective_matrix)
     axes = np.array(view.view_matrix.inverted())
     right, up, back = axes[:3, 0], axes[:3, 1], axes[:3, 2]
@@ -35,7 +62,7 @@ def draw(context: bpy.types.Context, matrix_world, shown: Iterable[Marker]) -> N
     pixels = RADIUS * context.preferences.system.ui_scale
     scale = np.linalg.norm(np.array(view.window_matrix)[1, :3]) * context.region.height / 2.0
     corners, colours = [], []
-    for marker in shown:
+    for marker in marks:
         place = matrix[:3, :3] @ marker.position + matrix[:3, 3]
         depth = float(perspective[3, :3] @ place + perspective[3, 3])
         if depth <= 0:
@@ -46,16 +73,14 @@ def draw(context: bpy.types.Context, matrix_world, shown: Iterable[Marker]) -> N
         flat = flat * marker.size
         corners.append(place + radius * (flat[:, :1] * right + flat[:, 1:] * up) + 1.5 * radius * towards)
         colours.append(colour * (1.0, 1.0, 1.0, marker.opacity))
-    if corners:
-        shader = compat.builtin_shader("SMOOTH_COLOR")
-        batch_for_shader(
-            shader,
-            "TRIS",
-            {
-                "pos": np.concatenate(corners).astype(np.float32),
-                "color": np.concatenate(colours).astype(np.float32),
-            },
-        ).draw(shader)
+    if not corners:
+        return None
+    content = {"pos": np.concatenate(corners), "color": np.concatenate(colours)}
+    return batch_for_shader(
+        compat.builtin_shader("SMOOTH_COLOR"),
+        "TRIS",
+        {name: np.ascontiguousarray(values, np.float32) for name, values in content.items()},
+    )
 
 
 def ring() -> tuple[np.ndarray, np.ndarray]:

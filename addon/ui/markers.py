@@ -2,6 +2,7 @@
 """Fixed points as discs that face the viewer: a colour and a shape per kind, the same size on screen at any zoom."""
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -86,6 +87,11 @@ def shape(kind: str) -> list[tuple[np.ndarray, Colour]]:
 
 def triangles(kind: str) -> tuple[np.ndarray, np.ndarray]:
     """The shape as triangles: corners (3 t, 2) and their colours (3 t, 4)."""
+    return _triangles(kind, palette.name())
+
+
+@cache
+def _triangles(kind: str, _palette: str) -> tuple[np.ndarray, np.ndarray]:
     corners, colours = [], []
     for polygon, colour in shape(kind):
         count = len(polygon)

@@ -40,6 +40,7 @@ def forget() -> None:
     element_overlay.forget()
     motion.forget()
     legend.forget()
+    marker_drawing.forget()
 
 
 def register() -> None:

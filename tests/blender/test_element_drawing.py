@@ -90,7 +90,7 @@ def test_signs_turn_as_the_flow(kind, turns):
 
 def test_where_paths_meet_is_said(merging):
     (mark,) = drawing(merging).meetings
-    assert mark.words == "merge at λ 0.60"
+    assert mark.words == "merge at λ 0.60, frame 30"
     assert np.allclose(mark.position / np.linalg.norm(mark.position), (0, -1, 0), atol=0.02)
 
 

@@ -11,6 +11,7 @@ a change.
 
 import hashlib
 from collections.abc import Iterable, Iterator
+from functools import cache
 
 import bpy
 import numpy as np
@@ -105,16 +106,22 @@ def element_entry(obj: bpy.types.Object, element) -> dict[str, Json]:
 
 
 def values_of(group: bpy.types.PropertyGroup) -> tuple[object, ...]:
-    """All numbers, words and switches of a group of settings."""
-    return tuple(_values(group))
+    """All numbers, words and switches of a group of settings, in the order of their names in the program."""
+    return tuple(
+        [tuple(v) if isinstance(v := getattr(group, n), bpy.types.bpy_prop_array) else v for n in _names(group)]
+    )
 
 
-def _values(group: bpy.types.PropertyGroup) -> Iterator[object]:
-    for prop in group.bl_rna.properties:
-        if prop.identifier in IDLE or prop.type in {"POINTER", "COLLECTION"}:
-            continue
-        value = getattr(group, prop.identifier)
-        yield prop.identifier, tuple(value) if getattr(prop, "is_array", False) else value
+def _names(group: bpy.types.PropertyGroup) -> tuple[str, ...]:
+    return _names_of(type(group))
+
+
+@cache
+def _names_of(kind: type[bpy.types.PropertyGroup]) -> tuple[str, ...]:
+    properties = kind.bl_rna.properties
+    return tuple(
+        p.identifier for p in properties if p.identifier not in IDLE and p.type not in {"POINTER", "COLLECTION"}
+    )
 
 
 def _world(obj: bpy.types.Object) -> Matrix:
