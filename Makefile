@@ -2,6 +2,7 @@
 # make zip    the extension for Blender on any Linux, in out/: ten minutes the first time
 # make demo   render the storm merge to PNG frames and a video
 # make test   all tests and checks, under every Blender that is found
+# make test-zip   the zip on a clean machine: installed, used, removed; a part of make test
 # make test-threads  the C++ tests under the thread sanitizer
 # make test-long     the long versions of the C++ tests: finer meshes, more samples, more random designs
 # make bench  benchmarks; they print ratios
@@ -22,7 +23,7 @@ ENVIRONMENTS = $(shell scripts/environments.sh list)
 core_sources := $(shell find native cmake CMakeLists.txt CMakePresets.json -type f)
 addon_sources := $(shell find addon -type f -not -path '*/__pycache__/*')
 
-.PHONY: all zip demo test test-native test-odr test-results test-threads test-long test-python bench lint docs clean
+.PHONY: all zip demo test test-zip test-native test-odr test-results test-threads test-long test-python bench lint docs clean
 all: build/.installed
 
 build/.packages: scripts/debian_packages.sh
@@ -64,7 +65,7 @@ zip: build/.environments
 demo: all
 	$(PYTHON) blend_examples/demo.py
 
-test: lint test-native test-python docs
+test: lint test-native test-python test-zip docs
 
 # As they ship, as they ship on a processor without AVX2, compiled by Clang, and under the address and undefined behaviour
 # sanitizers; ccache shares what the first two have in common.
@@ -108,6 +109,13 @@ test-python: all
 
 test-python-in-%:
 	@echo "tests under $*"; $*/bin/python -m pytest tests
+
+# The zip in a system of its own that has Blender and nothing else.
+test-zip: all zip
+	@set -e; for environment in $(ENVIRONMENTS); do \
+	  echo "the zip on a clean machine with the Blender of $$environment"; \
+	  STORMFIELD_ZIP=$$(ls -t out/stormfield-*-linux_x64.zip | head -n 1) $$environment/bin/python -m pytest tests/clean_machine; \
+	done
 
 bench: all
 	cmake --preset release

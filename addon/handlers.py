@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What Stormfield does when files are saved and loaded or the scene changes. Nothing here serves renders."""
 
+from pathlib import Path
+
 import bpy
 from bpy.app.handlers import persistent
 
-from .scene.write import cache_folders, mirror
+from .scene.write import cache_files, cache_folders, mirror
 from .session import (
     found_caches,
     freshness,
+    made_caches,
     mesh_edits,
     morse_preview,
     morse_state,
     running,
+    saves,
+    shared_caches,
     solver_state,
     view_selection,
 )
@@ -19,8 +24,36 @@ from .ui import overlay
 
 
 @persistent
-def move_caches_to_file(blend: str, *_):
-    cache_folders.move_temporary_caches(blend)
+def bring_caches_along(blend: str, *_):
+    if blend:
+        saves.begin(cache_folders.bring_along(blend))
+
+
+@persistent
+def end_saving(blend: str, *_):
+    if Path(blend) == Path(bpy.data.filepath):
+        saves.end()
+    else:
+        saves.end_as_copy()
+    made_caches.are_saved()
+
+
+@persistent
+def forget_caches(*_):
+    made_caches.forget()
+    saves.forget()
+
+
+@persistent
+def find_moved_caches(*_):
+    cache_folders.find_moved()
+    cache_files.part_copies()
+
+
+@persistent
+def part_copied_objects(*_):
+    if not bpy.app.is_job_running("RENDER"):
+        shared_caches.part_new_copies()
 
 
 @persistent
@@ -94,9 +127,14 @@ def preview_morse_sets(scene, *_):
 
 HANDLERS = (
     ("save_pre", follow_all_meshes),
-    ("save_pre", move_caches_to_file),
+    ("save_pre", part_copied_objects),
+    ("save_pre", bring_caches_along),
     ("save_pre", keep_lambda_without_addon),
+    ("save_post", end_saving),
+    ("save_post_fail", end_saving),
     ("load_pre", stop_job),
+    ("load_post", forget_caches),
+    ("load_post", find_moved_caches),
     ("load_post", forget_drawings),
     ("load_post", forget_morse),
     ("load_post", forget_solver),
@@ -107,6 +145,7 @@ HANDLERS = (
     ("undo_post", follow_all_meshes),
     ("redo_post", follow_all_meshes),
     ("depsgraph_update_post", follow_mesh_edits),
+    ("depsgraph_update_post", part_copied_objects),
     ("depsgraph_update_post", mark_changed),
     ("depsgraph_update_post", follow_view),
     ("depsgraph_update_post", preview_morse_sets),

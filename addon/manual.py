@@ -25,7 +25,7 @@ OPERATORS = {
         *("solve", "add_preset", "select_faults", "transfer_field"),
         *("subdivide_mesh", "fix_normals", "fill_parts", "leave_out_parts"),
     ),
-    "panels/bake": ("bake", "use_baked_caches"),
+    "panels/bake": ("bake", "use_baked_caches", "bring_caches", "clean_caches"),
     "panels/shading": ("apply_material",),
     "panels/analysis": (
         *("analyze", "analyze_lambda", "go_to_entity", "show_graph", "update_markers"),

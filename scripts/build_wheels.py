@@ -14,6 +14,7 @@ Debian's packages (debian_fetch.sh). The first platform takes about ten minutes 
 import argparse
 import base64
 import hashlib
+import os
 import re
 import shutil
 import subprocess
@@ -124,6 +125,9 @@ def cmake(source: Path, build_folder: Path, platform: Platform, *options: str, t
     """Configure and build."""
     toolchain = ROOT / "cmake" / "zig.cmake"
     tools = build_folder.parent / "bin"
+    # ccache takes the commands for other compilers whenever they lie elsewhere or were written again.
+    os.environ["CCACHE_COMPILERCHECK"] = f"string:{TOOLS[0]} {platform.target}"
+    os.environ["CCACHE_COMPILERTYPE"] = "clang"
     settings = {
         "CMAKE_TOOLCHAIN_FILE": toolchain,
         "STORMFIELD_ZIG_TARGET": platform.target,

@@ -5,6 +5,7 @@
 #
 #   debian_fetch.sh source PACKAGE FOLDER [SUITE]    the source archives
 #   debian_fetch.sh deb    PACKAGE FOLDER [SUITE]    the binary package
+#   debian_fetch.sh closure "PACKAGE ..." FOLDER     binary packages with all they depend on
 #
 # SUITE names a release, such as sid, where the machine's own does not have the package.
 set -euo pipefail
@@ -30,6 +31,12 @@ cd "$folder"
 case $kind in
   source) "${apt[@]}" source --download-only "$package" ;;
   deb) "${apt[@]}" download "$package" ;;
-  *) echo "debian_fetch.sh: '$kind' is neither source nor deb" >&2; exit 2 ;;
+  closure)
+    # Nothing is installed, as far as apt can see, so that it fetches everything.
+    touch "$state/status"; mkdir -p "$state/archives/partial"
+    "${apt[@]}" -o "Dir::State::Status=$state/status" -o "Dir::Cache::Archives=$state/archives" \
+      -o APT::Install-Recommends=false install --yes --download-only $package >/dev/null
+    mv "$state"/archives/*.deb . ;;
+  *) echo "debian_fetch.sh: '$kind' is none of source, deb, closure" >&2; exit 2 ;;
 esac
 rm -rf "$state"

@@ -1,5 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of the files and prims of a cache, and its time codes: usd.py explains the layout."""
+"""Names of the folder, files and prims of a cache, and its time codes: usd.py explains the layout."""
+
+import re
+
+#: Names of the folders of caches: the sort, and the key of what made it (Plan.folder_name).
+FOLDER_NAME = re.compile(rb"(?:lambda|frames|morse|exr|vdb)-[0-9a-f]{12}")
+#: Names that folders of flow maps and volumes had before version 0.2.
+OLD_FOLDERS = ("exr", "vdb")
 
 #: Prims of the stage.
 ROOT = "/stormfield"

@@ -77,12 +77,10 @@ def bake(
 
 def _bake(bpy: ModuleType, obj: Object, wanted: frozenset[TargetName], chunk: Chunk) -> None:
     from ..bake.job import check_task
-    from ..scene.read import folders
     from ..scene.read.bake_task import read_bake_task
     from ..scene.read.design import read_design
     from ..scene.write import attach
 
-    saved = folders.shown_folders()  # which the scene on disk shows, unless it is saved again
     task = replace(
         read_bake_task(bpy.context, obj, Path()),
         targets=wanted,
@@ -93,13 +91,13 @@ def _bake(bpy: ModuleType, obj: Object, wanted: frozenset[TargetName], chunk: Ch
     check_task(task)
     mesh, design = read_design(bpy.context, obj)
     folder = _joined_field(obj, mesh, design) if chunk.join else _solved_field(obj, mesh, design)
-    attach.show_solved(obj, folder, saved)
+    attach.show_solved(obj, folder)
     if not wanted:
         return
     task = replace(task, cache=folder)
     result = _joined(obj, task) if chunk.join else _baked(obj, task)
     if result.whole:
-        attach.show_baked(obj, result.folders, saved)
+        attach.show_baked(obj, result.folders)
     for target, written in result.folders.items():
         click.echo(f"{obj.name}\t{target}\t{written}")
     for remark in result.remarks:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Progress on standard error: a bar in a terminal, a line now and then elsewhere."""
+"""Progress on standard error: a bar in a terminal; elsewhere lines now and then, which farms of Open Job
+Description show as the task's progress, and others in its log."""
 
 from __future__ import annotations
 
@@ -81,4 +82,5 @@ class _Lines:
             print(f"note: {note}", file=sys.stderr)
         if time.monotonic() - self._printed >= QUIET:
             self._printed = time.monotonic()
-            print(f"{self._title}: {step.fraction:.0%} {step.message}", file=sys.stderr, flush=True)
+            print(f"openjd_progress: {100.0 * step.fraction:.1f}", file=sys.stderr)
+            print(f"openjd_status: {self._title}: {step.fraction:.0%} {step.message}", file=sys.stderr, flush=True)

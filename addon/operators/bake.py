@@ -8,6 +8,7 @@ from ..bake.job import bake_steps
 from ..scene.read.attached import LAMBDA, attached_folder
 from ..scene.read.bake_task import read_bake_task
 from ..scene.write import attach
+from ..session import made_caches
 from . import requirements
 from .job_operator import JobOperator
 
@@ -34,11 +35,15 @@ class STORMFIELD_OT_bake(JobOperator, bpy.types.Operator):
     why_not = staticmethod(why_not)
 
     def start(self, context, obj):
-        return bake_steps(read_bake_task(context, obj, attached_folder(obj, LAMBDA)))
+        task = read_bake_task(context, obj, attached_folder(obj, LAMBDA))
+        self._before = made_caches.existing(task.root)
+        return bake_steps(task)
 
     def finish(self, context, obj, result):
         attach.attach_lambda(obj, result.cache)
         attach.show_baked(obj, result.folders)
+        for folder in (result.cache, *result.folders.values()):
+            made_caches.note_baked(folder, self._before)
         for remark in result.remarks:
             self.report({"WARNING"}, remark)
         written = ", ".join(str(folder) for folder in result.folders.values())

@@ -11,7 +11,7 @@ from ..scene.read import folders
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
 from ..scene.write import attach, doubts
-from ..session import freshness, solver_state
+from ..session import freshness, made_caches, solver_state
 from . import requirements
 from .doubts import solved_fields
 from .job_operator import JobOperator
@@ -34,11 +34,15 @@ class SolvingOperator(JobOperator):
         mesh, design = self._solves = read_design(context, obj)
         self._read = freshness.read(obj)
         state = solver_state.of(obj) if obj.stormfield.solve.keep_solver else None
-        return solve_steps(mesh, design, folders.cache_root(obj), read_polygons(obj), state=state)
+        root = folders.cache_root(obj)
+        self._before = made_caches.existing(root)
+        return solve_steps(mesh, design, root, read_polygons(obj), state=state)
 
     def finish(self, _context, obj, folder):
         attach.show_solved(obj, folder)
         freshness.keep(obj, self._read)
+        made_caches.note(folder, self._before)
+        made_caches.delete_superseded()
         self._tell_doubts(obj)
 
     def _tell_doubts(self, obj):

@@ -14,6 +14,7 @@ class BakeProperties(bpy.types.PropertyGroup):
         name="Cache Folder",
         subtype="DIR_PATH",
         default="",
+        options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         description="Folder of this object's caches; empty means stormfield_cache beside the .blend file, "
         "or Blender's temporary folder until the file is saved",
     )
@@ -71,4 +72,16 @@ class BakeProperties(bpy.types.PropertyGroup):
         default=0.0,
         precision=4,
         step=0.1,
+    )
+    flow_maps: StringProperty(
+        name="Flow Maps",
+        subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+        description="Folder of the flow maps that were baked last",
+    )
+    volumes: StringProperty(
+        name="Volumes",
+        subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+        description="Folder of the volumes that were baked last",
     )

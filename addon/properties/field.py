@@ -34,6 +34,11 @@ def _element_chosen(self, _context) -> None:
     selection.show_element(self.id_data)
 
 
+def _tell_blender(self, _context) -> None:
+    """Blender does not see by itself that a script has set λ."""
+    self.id_data.update_tag()
+
+
 class FieldProperties(bpy.types.PropertyGroup):
     enabled: BoolProperty(name="Has Field", description="Stormfield designs a field on this mesh", default=False)
     lam: FloatProperty(
@@ -47,6 +52,7 @@ class FieldProperties(bpy.types.PropertyGroup):
         step=1,
         subtype="FACTOR",
         options={"ANIMATABLE"},
+        update=_tell_blender,
     )
     paused: StringProperty(
         name="Paused",
@@ -68,6 +74,9 @@ class FieldProperties(bpy.types.PropertyGroup):
     elements: CollectionProperty(type=ElementProperties)
     active_element: IntProperty(
         name="Active Element", description="Index of the element shown below the list", update=_element_chosen
+    )
+    cache_name: StringProperty(
+        name="Cache Name", description="Name of the folder of this object's caches; it stays when the object is renamed"
     )
     solve: PointerProperty(type=SolveProperties)
     bake: PointerProperty(type=BakeProperties)

@@ -17,7 +17,7 @@ import bpy
 
 from ..model.words import Json
 from ..scene.read import freshness as reading
-from ..scene.read.attached import LAMBDA, attached_folder
+from ..scene.read.attached import LAMBDA, attached_folder, find_modifier
 from ..scene.read.topology import Fit, fit
 
 
@@ -93,7 +93,7 @@ def _changes_since(obj: bpy.types.Object, before: dict[str, Json], known: _Known
 
 def _of_mesh(obj: bpy.types.Object) -> str:
     """What became of the field on a mesh that was changed."""
-    how = fit(obj.modifiers[LAMBDA].cache_file, obj.data)
+    how = fit(find_modifier(obj, LAMBDA).cache_file, obj.data)
     if how is Fit.OTHER:
         return f"{reading.MESH_CHANGED}, so that the field is off"
     if how is Fit.SAME:  # its faces were flipped, or the field was transferred to it

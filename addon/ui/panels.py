@@ -8,8 +8,10 @@ from .. import compat
 from ..operators import bake, elements, requirements, solve, transfer
 from ..scene.read import user_preferences
 from ..scene.read.active_field import active_field
-from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file
+from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file, find_modifier
 from ..scene.write import mesh_edits
+from ..scene.write.cache_folders import stray_folders
+from ..session import saves
 from . import baked_caches, doubts, out_of_date, pictures
 from .panel_parts import FieldPanel, SidebarPanel, job_button, text_lines
 
@@ -53,7 +55,7 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
         column.prop(obj.stormfield, "lam", slider=True)
         if compat.find_fcurve(obj, "stormfield.lam") is None:
             layout.operator("stormfield.key_lambda", icon="KEY_HLT")
-        if TURN in obj.modifiers:
+        if find_modifier(obj, TURN) is not None:
             layout.prop(obj.stormfield, "speed_on")
 
 
@@ -149,6 +151,11 @@ class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
             job_button(context, layout, transfer.STORMFIELD_OT_transfer_field, obj, icon="MOD_DATA_TRANSFER")
         doubts.draw(context, layout, obj)
         _draw_solve_settings(layout, settings)
+        if stray_folders(obj):
+            sentences = saves.refused() or ("Caches of this object do not lie beside the file.",)
+            for sentence in sentences:
+                text_lines(context, layout, sentence, icon="ERROR")
+            layout.operator("stormfield.bring_caches", icon="FILE_REFRESH")
         file = attached_file(obj, LAMBDA)
         if file is not None and not file.exists():
             text_lines(context, layout, f"The λ cache is missing: {file.parent}. Solve again", icon="ERROR")
@@ -199,6 +206,7 @@ class STORMFIELD_PT_bake(FieldPanel, bpy.types.Panel):
             frames.prop(settings, "frame_end", text="End")
         layout.prop(settings, "folder")
         layout.operator("stormfield.use_baked_caches", icon="FILE_REFRESH")
+        layout.operator("stormfield.clean_caches", icon="TRASH")
 
 
 class STORMFIELD_PT_shading(FieldPanel, bpy.types.Panel):
@@ -213,7 +221,7 @@ class STORMFIELD_PT_shading(FieldPanel, bpy.types.Panel):
         layout.operator_menu_enum("stormfield.apply_material", "material", icon="MATERIAL")
         if material is not None:
             layout.label(text=material.name, icon="MATERIAL_DATA")
-        if FRAMES not in obj.modifiers:
+        if find_modifier(obj, FRAMES) is None:
             text_lines(context, layout, "Bake the flowing texture to see these materials move", icon="INFO")
 
 

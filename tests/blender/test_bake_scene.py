@@ -2,6 +2,7 @@
 """stormfield bake SCENE.blend: the scene's bakes without its window."""
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -209,6 +210,21 @@ def test_a_farm_runs_the_job_template(file, blender):
     assert "manifest.json" in farmed
     assert bake(file, "--targets", "exr") == 0
     assert contents(folder_of(file, "exr")) == farmed
+
+
+def test_eight_processes_at_once_give_what_one_gives(file, blender, scene):
+    """Nobody has solved before: all begin with the same λ cache at once."""
+    scene.frame_end = 16
+    bpy.ops.wm.save_mainfile()
+    words = (blender, "-b", file, "--command", "stormfield", "bake", "--targets", "usd,exr", "--resume")
+    chunks = [f"{first}-{first + 1}" for first in range(1, 16, 2)]
+    processes = [subprocess.Popen(list(map(str, (*words, "--frames", chunk)))) for chunk in chunks]
+    assert [process.wait() for process in processes] == [0] * 8
+    assert in_blender(*words[:-1], "--join").returncode == 0
+    split = {target: contents(folder_of(file, target)) for target in ("lambda", "frames", "exr")}
+    shutil.rmtree(file.parent / "stormfield_cache")
+    assert bake(file, "--targets", "usd,exr") == 0
+    assert {target: contents(folder_of(file, target)) for target in split} == split
 
 
 MANAGER = """

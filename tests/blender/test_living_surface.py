@@ -271,3 +271,99 @@ def test_remove_field_takes_the_turning_away(tube):
     assert "Stormfield Turn" in tube.modifiers
     bpy.ops.stormfield.remove_field()
     assert [modifier.name for modifier in tube.modifiers] == ["Bend"]
+
+
+def seen_point(obj, vertex):
+    """Where a vertex of the own mesh is seen, in the world."""
+    return obj.matrix_world @ evaluated(obj).vertices[vertex].co
+
+
+def read(obj):
+    from stormfield.scene.read.design import read_design
+
+    return read_design(bpy.context, obj)[1].elements
+
+
+@pytest.mark.parametrize("deform", DEFORMERS)
+def test_what_is_placed_on_the_seen_surface_lands_on_the_same_place_at_rest(tube, scene, deform, add_curve):
+    from stormfield.scene.write.elements import add_element
+
+    deform(tube, scene)
+    tube.stormfield.elements.clear()
+    vertices = [32 * ring + 5 for ring in range(18, 30)]
+    empty = bpy.data.objects.new("Eye", None)
+    scene.collection.objects.link(empty)
+    empty.location = seen_point(tube, vertices[0])
+    add_element(tube, empty, type="singular", radius=0.1)
+    line = add_curve([seen_point(tube, vertex) for vertex in vertices], name="Line")
+    add_element(tube, line, type="streamline", radius=0.1)
+    bpy.context.view_layer.update()
+    eye, stream = read(tube)
+    rest = np.array([tube.data.vertices[vertex].co for vertex in vertices])
+    assert np.allclose(eye.points[0], rest[0], atol=1e-4)
+    assert np.allclose(stream.points, rest, atol=1e-4)
+
+
+def test_place_at_cursor_on_a_posed_mesh_solves_there(tube, scene):
+    bend(tube, 80)
+    tube.stormfield.elements.clear()
+    vertex = 32 * 30 + 7
+    scene.cursor.location = seen_point(tube, vertex)
+    bpy.ops.stormfield.place_element(kind="vortex_ccw")
+    assert np.allclose(read(tube)[0].points[0], tube.data.vertices[vertex].co, atol=1e-4)
+    assert bpy.ops.stormfield.solve() == {"FINISHED"}
+
+
+def test_an_arrow_turns_back_with_the_surface(tube, scene):
+    from stormfield.scene.write.elements import add_element
+
+    bend(tube, 80)
+    tube.stormfield.elements.clear()
+    low, high = 32 * 30 + 7, 32 * 31 + 7
+    along = (seen_point(tube, high) - seen_point(tube, low)).normalized()
+    empty = bpy.data.objects.new("Wind", None)
+    scene.collection.objects.link(empty)
+    empty.location, empty.rotation_mode = seen_point(tube, low), "QUATERNION"
+    empty.rotation_quaternion = along.to_track_quat("X", "Z")
+    add_element(tube, empty, type="regular", radius=0.1)
+    bpy.context.view_layer.update()
+    assert np.allclose(read(tube)[0].direction, (0, 0, 1), atol=0.04)  # a ring turns by 0.035
+
+
+def test_what_was_placed_at_rest_stays_when_the_mesh_is_posed(tube):
+    before = [element.points for element in read(tube)]
+    bend(tube, 80)
+    bpy.context.view_layer.update()
+    for old, new in zip(before, read(tube), strict=True):
+        assert np.allclose(old, new.points, atol=1e-6)
+
+
+def test_a_curve_on_a_subdivided_cage_is_carried_to_the_cage(scene, add_curve):
+    from stormfield.scene.write.elements import add_element
+
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    cage = bpy.context.object
+    cage.modifiers.new("Subdivision", "SUBSURF").levels = 4
+    bpy.ops.stormfield.add_field()
+    cage.stormfield.solve.samples = 2
+    mesh = evaluated(cage)
+    top = [vertex.co.copy() for vertex in mesh.vertices if abs(vertex.co.y) < 1e-4 and vertex.co.z > 0.3]
+    top.sort(key=lambda place: place.x)
+    add_element(cage, add_curve(top), type="streamline", radius=0.3)
+    bpy.context.view_layer.update()
+    before = len(bpy.data.objects), len(bpy.data.scenes)
+    points = np.array(read(cage)[0].points)
+    assert np.abs(np.abs(points).max(axis=1) - 1.0).max() < 1e-4  # on the cube
+    assert (len(bpy.data.objects), len(bpy.data.scenes)) == before
+    assert bpy.ops.stormfield.solve() == {"FINISHED"}
+    assert off_tangent(evaluated(cage)) < 1e-3
+
+
+def test_a_source_on_a_copy_of_an_array_acts_on_the_mesh_itself(arrow, scene):
+    array = arrow.modifiers.new("Array", "ARRAY")
+    array.count = 2
+    bpy.context.view_layer.update()
+    source = arrow.stormfield.elements[0].source
+    source.location = (2.25, 0.5, 0.0)
+    bpy.context.view_layer.update()
+    assert np.allclose(read(arrow)[0].points[0], (0.25, 0.5, 0.0), atol=1e-5)

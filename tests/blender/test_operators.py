@@ -220,7 +220,7 @@ def test_a_temporary_cache_moves_beside_the_file(storms, native, attribute, tmp_
     blend = tmp_path / "Zwei Stürme.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     assert storms.modifiers[0].cache_file.filepath.startswith("//stormfield_cache/Ball/lambda-")
-    assert not temporary.exists()
+    assert temporary.exists()  # undo goes back to it
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     assert np.array_equal(attribute(bpy.data.objects["Ball"], "sf_advection"), before)
 
@@ -319,18 +319,18 @@ def test_presets_of_the_addon_set_the_settings(ball):
         ball.path_resolve(f"stormfield.{value}")
 
 
-def test_old_caches_are_deleted_but_never_the_one_that_is_shown(storms, native):
+def test_what_was_tried_is_deleted_but_never_the_one_that_is_shown(storms, native):
     from stormfield.scene.read.attached import LAMBDA, attached_folder
-    from stormfield.scene.write import cache_folders
+    from stormfield.session import made_caches
 
     shown = []
-    for number in range(cache_folders.KEPT + 3):
+    for number in range(made_caches.KEPT + 3):
         storms.stormfield.elements[0].radius = 0.3 + 0.02 * number
         bpy.ops.stormfield.solve()
         shown.append(attached_folder(storms, LAMBDA))
     assert shown[-1].is_dir()
     kept = {path for path in shown[-1].parent.iterdir() if path.name.startswith("lambda-")}
-    assert kept == set(shown[-1 - cache_folders.KEPT :])
+    assert kept == set(shown[-1 - made_caches.KEPT :])
 
 
 @pytest.fixture

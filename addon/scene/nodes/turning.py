@@ -10,9 +10,9 @@ Blender's own attribute `rest_position`, which modifiers carry along.
 from dataclasses import dataclass
 
 from ...cache.fields import ADVECTION, ORIENTATION, SPEED
+from ..read.seen_surface import REST
 from .tree import Socket, Tree, add_socket, group_inputs, node_group, set_outputs
 
-REST = "rest_position"
 #: Input of the group: 1 keeps the speed in the world, 0 the speed over the texture.
 KEEP_SPEED = "Keep Speed"
 #: Corners at rest whose angle has a smaller squared sine have no map: new faces of a bevel, say.

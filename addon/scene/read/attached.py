@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which caches an object shows.
 
-The Mesh Sequence Cache modifiers are the only record of where the caches are, so a path can be stale in one place only.
+The cache files of its Mesh Sequence Cache modifiers are the only record of where those caches are, so a path can be
+stale in one place only. Each carries its sort as a custom property: modifiers and cache files may be renamed.
 """
 
 from pathlib import Path
 
 import bpy
 
-#: Names of the modifiers.
+from .folders import absolute
+
+#: Sorts of caches that modifiers show, and the names that their modifiers are given.
 LAMBDA = "Stormfield λ"
 FRAMES = "Stormfield Flow"
 MORSE = "Stormfield Morse Sets"
@@ -17,17 +20,42 @@ TURN = "Stormfield Turn"
 #: All caches, in the order they have on the object; and those that follow λ.
 NAMES = (LAMBDA, FRAMES, MORSE)
 OVER_LAMBDA = (LAMBDA, MORSE)
+#: Custom property of a cache file or a node group: its sort, one of NAMES or TURN; and the types of those modifiers.
+SORT = "stormfield_sort"
+TYPES = frozenset({"MESH_SEQUENCE_CACHE", "NODES"})
 
 
-def attached_folder(obj: bpy.types.Object, name: str) -> Path | None:
-    """The folder of the cache that modifier `name` shows, if there is one."""
-    file = attached_file(obj, name)
+def find_modifier(obj: bpy.types.Object, sort: str) -> bpy.types.Modifier | None:
+    """The modifier that shows the cache of that sort, or turns the vectors: by what it reads, as modifiers may be
+    renamed; by its name where the file is of an earlier version or has lost its cache file."""
+    modifiers = [modifier for modifier in obj.modifiers if modifier.type in TYPES]
+    for modifier in modifiers:
+        read = _read_by(modifier)
+        if read is not None and read.get(SORT) == sort:
+            return modifier
+    unmarked = (m for m in modifiers if (read := _read_by(m)) is None or read.get(SORT) is None)
+    return next((modifier for modifier in unmarked if modifier.name == sort), None)
+
+
+def _read_by(modifier: bpy.types.Modifier) -> bpy.types.ID | None:
+    """The data-block that a modifier reads: its cache file or its node group."""
+    return modifier.cache_file if modifier.type == "MESH_SEQUENCE_CACHE" else modifier.node_group
+
+
+def attached_folder(obj: bpy.types.Object, sort: str) -> Path | None:
+    """The folder of the cache of that sort that the object shows, if there is one."""
+    file = attached_file(obj, sort)
     return None if file is None else file.parent
 
 
-def attached_file(obj: bpy.types.Object, name: str) -> Path | None:
-    """The file that modifier `name` reads, there or not."""
-    modifier = obj.modifiers.get(name)
-    if modifier is None or modifier.type != "MESH_SEQUENCE_CACHE" or modifier.cache_file is None:
+def attached_file(obj: bpy.types.Object, sort: str) -> Path | None:
+    """The file that the modifier of that sort reads, there or not."""
+    modifier = find_modifier(obj, sort)
+    if modifier is None or modifier.cache_file is None:
         return None
-    return Path(bpy.path.abspath(modifier.cache_file.filepath))
+    return file_of(modifier.cache_file)
+
+
+def file_of(cache_file: bpy.types.CacheFile) -> Path:
+    """Where a cache file lies; paths of linked ones are relative to their library."""
+    return absolute(cache_file.filepath, library=cache_file.library)

@@ -16,7 +16,7 @@ from ...cache.field_cache import FieldCache, open_cache
 from ...model.errors import InputError
 from ...model.manifold import Manifold, manifold
 from ...model.mesh_data import MeshData
-from .attached import LAMBDA, TURN, attached_folder
+from .attached import LAMBDA, TURN, attached_folder, find_modifier
 from .mesh import read_mesh
 
 
@@ -43,7 +43,9 @@ def read_current(context: bpy.types.Context, obj: bpy.types.Object) -> CurrentFi
     attribute, mesh = obj.stormfield.look.shown_field, read_mesh(obj)
     evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
     lam = evaluated.stormfield.lam
-    turned = TURN in obj.modifiers  # the evaluated vectors lie on the surface that is seen, not on the own mesh
+    turned = (
+        find_modifier(obj, TURN) is not None
+    )  # the evaluated vectors lie on the surface that is seen, not on the own mesh
     for carrier in (obj.data,) if turned else (evaluated.data, obj.data):
         found = carrier.attributes.get(attribute)
         fits = len(carrier.vertices) == len(mesh.vertices)

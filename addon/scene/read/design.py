@@ -19,6 +19,7 @@ from .curves import read_polylines, take_over_edits
 from .lambda_keys import lambda_at_frames, lambda_frames, lambda_per_second
 from .mesh import read_mesh
 from .places import Placed, Places
+from .seen_surface import SeenSurface
 
 #: Most places that are read of an animated curve, which changes as a whole.
 MAX_CURVES = 24
@@ -47,10 +48,11 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
     take_over_edits([element.source for element in enabled])
     elements: list[Element] = []
     with Places(context) as placed:
-        moving = _moving_places(context, placed, obj, [element for element in enabled if element.from_animation])
+        surface = SeenSurface(placed, obj)
+        moving = _moving_places(context, surface, [element for element in enabled if element.from_animation])
         mirrored = placed.matrix_world(obj).is_negative
         for element in enabled:
-            places = next(moving) if element.from_animation else [_place(placed, obj, element, element.lam_start)]
+            places = next(moving) if element.from_animation else [_place(surface, element, element.lam_start)]
             made = _elements(element, places)
             elements.extend(each.mirrored() if mirrored else each for each in made)
     return mesh, Design(
@@ -66,40 +68,40 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
     )
 
 
-def _moving_places(context, placed: Places, obj, elements) -> Iterator[list[_Place]]:
+def _moving_places(context, surface: SeenSurface, elements) -> Iterator[list[_Place]]:
     """For each element its places in the order of λ; the frames are gone through once for all of them."""
     if not elements:
         return iter(())
     places: list[list[_Place]] = [[] for _ in elements]
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
-    frames = lambda_frames(obj)
-    lams = lambda_at_frames(obj, frames)
+    frames = lambda_frames(surface.obj)
+    lams = lambda_at_frames(surface.obj, frames)
     try:
         highest = -1.0
         for frame, lam in zip(frames, lams, strict=True):
             if lam <= highest:  # λ is constant or decreases: its place is known
                 continue
             highest = lam
-            placed.at_frame(frame)
+            surface.places.at_frame(frame)
             for known, element in zip(places, elements, strict=True):
-                known.append(_place(placed, obj, element, lam))
+                known.append(_place(surface, element, lam))
     finally:
-        placed.at_frame(*before)
+        surface.places.at_frame(*before)
     return iter(places)
 
 
-def _place(placed: Places, obj, element, lam: float) -> _Place:
-    to_mesh = placed.matrix_world(obj).inverted_safe()
-    source = placed.of(element.source)
+def _place(surface: SeenSurface, element, lam: float) -> _Place:
+    to_mesh = surface.places.matrix_world(surface.obj).inverted_safe()
+    source = surface.places.of(element.source)
     if element.source.type == "EMPTY":
-        return _Place((_empty_line(source, to_mesh, element.radius),), lam)
+        return _Place((surface.arrow_at_rest(_empty_line(source, to_mesh, element.radius)),), lam)
     lines = read_polylines(source.object, source.depsgraph, to_mesh)
     if not lines:
         raise InputError(
             f"Element '{element.name}': '{element.source.name}' has no curve yet; draw one, or turn it off"
         )
-    return _Place(tuple(lines), lam)
+    return _Place(tuple(surface.line_at_rest(line) for line in lines), lam)
 
 
 def _empty_line(source: Placed, to_mesh: Matrix, radius: float) -> np.ndarray:

@@ -36,7 +36,7 @@ class Places:
 
     def __init__(self, context: bpy.types.Context):
         self._context = context
-        self._scene: bpy.types.Scene | None = None
+        self._scene: Any = None
         self._copies: dict[bpy.types.Object, bpy.types.Object] = {}
         self._frame = (context.scene.frame_current, context.scene.frame_subframe)
 
@@ -71,6 +71,16 @@ class Places:
         if not placed.evaluated.is_evaluated or placed.evaluated.hide_viewport:
             raise InputError(f"'{obj.name}' is hidden by an animation, so it has no place; show it and solve again")
         return placed
+
+    def with_rest_positions(self, obj: bpy.types.Object) -> bpy.types.Mesh:
+        """The evaluated mesh of a copy that carries Blender's attribute `rest_position` through all modifiers."""
+        if obj not in self._copies:
+            self._copies[obj] = self._copy(obj)
+        copy: Any = self._copies[obj]
+        if not copy.add_rest_position_attribute:
+            copy.add_rest_position_attribute = True
+            self._scene.view_layers[0].update()
+        return copy.evaluated_get(self._scene.view_layers[0].depsgraph).data
 
     def _copy(self, obj: bpy.types.Object) -> bpy.types.Object:
         if obj.mode == "EDIT":

@@ -1,62 +1,139 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cache folders of the open file: moved next to it when it is first saved, deleted when newer ones have come.
+"""Caches go where their file goes: beside it when it is first saved, recovered or saved elsewhere.
 
-A cache that moves is copied, shown from its new place, and only then removed: the field is never without it.
+A cache that moves is copied (cache/copying.py) and shown from its new place; the old one stays, for undo and for files
+that name it. What cannot be copied keeps its place, or one that outlives this session, and is tried again at the next
+save.
 """
 
-import shutil
-from collections.abc import Collection
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import bpy
 
-from ...cache.layout import MANIFEST
-from ...cache.store import delete_cache
+from ...cache.copying import copy_cache
+from ...cache.layout import PLAN
+from ...model.errors import InputError
 from ..read.attached import NAMES, attached_folder
-from ..read.folders import cache_root, shown_folders, temporary_root
+from ..read.cache_paths import CachePath, cache_paths, fields
+from ..read.cache_use import write_user
+from ..read.folders import NAME, base_folder, file_base, relative, temporary_root
 
-#: Caches of each sort that are kept for undo besides those in use; older ones are deleted.
-KEPT = 4
+
+@dataclass
+class Saving:
+    """What saving a file did to the caches it names."""
+
+    refused: list[str] = field(default_factory=list)  #: sentences for the artist
+    _before: list[tuple[CachePath, str]] = field(default_factory=list)
+
+    def change(self, path: CachePath, text: str) -> None:
+        self._before.append((path, path.text))
+        path.write(text)
+
+    def undo(self) -> None:
+        """Every path as it was: where a copy of the file was saved, the open file keeps its own."""
+        for path, text in reversed(self._before):
+            path.write(text)
 
 
-def move_temporary_caches(blend: str) -> list[Path]:
-    """Called just before the file `blend` is written. Returns the folders the caches have now."""
+def bring_along(blend: str) -> Saving:
+    """Called just before the file `blend` is written: every cache it names is where the file will look for it."""
+    saving = Saving()
+    bases = _bases(blend)
     moved: dict[Path, Path] = {}
-    if not blend:
+    paths = list(cache_paths())
+    for folder in [*dict.fromkeys(path.folder for path in paths), *_unfinished()]:
+        old, new = bases.get(folder, (file_base(bpy.data.filepath), file_base(blend)))
+        if folder.is_dir() and _comes_along(folder, old, new):
+            moved[folder] = _brought(folder, new / folder.parent.name / folder.name, saving)
+    for path in paths:
+        place = path.inside(moved.get(path.folder, path.folder))
+        if path.is_record:
+            saving.change(path, relative(place, blend))
+        elif path.folder in moved:
+            # Blender rewrites relative paths for the new file itself, and all paths at the first save.
+            saving.change(path, relative(place, bpy.data.filepath))
+        write_user(moved.get(path.folder, path.folder).parent.parent, Path(blend))
+    return saving
+
+
+def find_moved() -> None:
+    """Show caches that lie beside the open file although their path leads elsewhere: the folder was moved."""
+    bases = _bases(bpy.data.filepath)
+    for path in cache_paths():
+        if not path.folder.exists():
+            _old, base = bases.get(path.folder, (None, file_base(bpy.data.filepath)))
+            beside = base / path.folder.parent.name / path.folder.name
+            if beside.is_dir():
+                path.write(relative(path.inside(beside), bpy.data.filepath))
+
+
+def stray_folders(obj: bpy.types.Object) -> list[Path]:
+    """Caches that a saved object shows from a place where no file is: they could not be copied when it was saved."""
+    if not bpy.data.filepath:
         return []
-    temporary = temporary_root()
-    for obj in bpy.data.objects:
-        for name in NAMES:
-            folder = attached_folder(obj, name)
-            if folder is None or temporary not in folder.parents or not folder.is_dir():
-                continue
-            if folder not in moved:
-                moved[folder] = _copy(folder, cache_root(obj, blend) / folder.name)
-            cache_file = obj.modifiers[name].cache_file
-            # Absolute while the file has no name yet; Blender writes it relative to the file.
-            cache_file.filepath = str(moved[folder] / Path(cache_file.filepath).name)
-    for folder in moved:
-        delete_cache(folder)
-    return list(moved.values())
+    base = base_folder(obj)
+    shown = {folder for sort in NAMES if (folder := attached_folder(obj, sort)) is not None}
+    return sorted(folder for folder in shown if folder.parent.parent != base and _is_lonely(folder.parent.parent))
 
 
-def _copy(folder: Path, target: Path) -> Path:
-    if not target.exists():
-        half = target.with_name(target.name + ".tmp-copy")
-        half.parent.mkdir(parents=True, exist_ok=True)
-        shutil.rmtree(half, ignore_errors=True)
-        shutil.copytree(folder, half)
-        half.rename(target)
-    return target
+def kept_root() -> Path:
+    """Where caches outlive the session that could not bring them to their file."""
+    return Path(bpy.utils.user_resource("DATAFILES", path="stormfield")) / "unsaved" / NAME
 
 
-def delete_old_caches(root: Path, sort: str, keep: Collection[Path] = ()) -> list[Path]:
-    """Delete all but the newest finished caches of a sort ("lambda", "frames"), those that the open file shows, and
-    those to `keep`."""
-    shown = shown_folders().union(keep)
-    finished = [manifest for manifest in root.glob(f"{sort}-*/{MANIFEST}") if manifest.parent not in shown]
-    finished.sort(key=lambda manifest: manifest.stat().st_mtime, reverse=True)
-    old = [manifest.parent for manifest in finished[KEPT:]]
-    for folder in old:
-        delete_cache(folder)
-    return old
+# Steps ----------------------------------------------------------------------------------------------------------------
+
+
+def _bases(blend: str) -> dict[Path, tuple[Path, Path]]:
+    """The base folders of each cache's object, for the open file and for `blend`; of caches that objects know."""
+    bases = {}
+    for obj in fields():
+        both = base_folder(obj), base_folder(obj, blend)
+        shown = [attached_folder(obj, sort) for sort in NAMES]
+        bases.update({folder: both for folder in shown if folder is not None})
+        bases.update({path.folder: both for path in cache_paths() if path.block == obj})
+    return bases
+
+
+def _unfinished() -> Iterator[Path]:
+    """Bakes that were stopped before the file had a name: they go on beside it."""
+    for plan in temporary_root().glob(f"*/*/{PLAN}"):
+        yield plan.parent
+
+
+def _comes_along(folder: Path, old: Path, new: Path) -> bool:
+    base = folder.parent.parent
+    return base != new and (base == old or base == temporary_root() or _is_lonely(base))
+
+
+def _is_lonely(base: Path) -> bool:
+    """Whether a base folder lies beside no file: it is the temporary one of this or of an earlier session."""
+    try:
+        return base.name == NAME and not any(base.parent.glob("*.blend"))
+    except OSError:
+        return False
+
+
+def _brought(folder: Path, target: Path, saving: Saving) -> Path:
+    """The cache at its new place; where that fails, at one that outlives the session."""
+    try:
+        copy_cache(folder, target)
+        return target
+    except InputError as fault:
+        kept = _kept(folder)
+        saving.refused.append(f"{folder.name} could not be copied beside the file ({fault}); it is kept in {kept}")
+        return kept
+
+
+def _kept(folder: Path) -> Path:
+    if temporary_root() not in folder.parents:
+        return folder
+    kept = kept_root() / folder.parent.name / folder.name
+    try:
+        copy_cache(folder, kept)
+        return kept
+    except InputError:
+        return folder

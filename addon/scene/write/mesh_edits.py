@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ...cache.field_cache import open_cache
-from ..read.attached import LAMBDA, NAMES, TURN
+from ..read.attached import LAMBDA, NAMES, TURN, find_modifier
 from ..read.mesh import read_mesh
 from ..read.topology import CONNECTIVITY, SHAPE, Fit, fit, remember_mesh
 
@@ -38,7 +38,7 @@ def follow_mesh(obj: bpy.types.Object) -> None:
     paused = _paused(obj)
     before = dict(paused)
     for name in (*NAMES, TURN):
-        modifier = obj.modifiers.get(name)
+        modifier = find_modifier(obj, name)
         cache_file = _cache_file(obj, LAMBDA if name == TURN else name)
         if modifier is None or cache_file is None:
             paused.pop(name, None)
@@ -58,7 +58,7 @@ def is_paused(obj: bpy.types.Object, name: str = LAMBDA) -> bool:
 
 
 def _cache_file(obj: bpy.types.Object, name: str) -> bpy.types.CacheFile | None:
-    modifier = obj.modifiers.get(name)
+    modifier = find_modifier(obj, name)
     return None if modifier is None else modifier.cache_file
 
 

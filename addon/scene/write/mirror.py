@@ -10,7 +10,7 @@ import bpy
 
 from ... import compat
 from ...cache.layout import TIME_CODES_PER_LAMBDA as TIME_CODES
-from ..read.attached import OVER_LAMBDA
+from ..read.attached import OVER_LAMBDA, find_modifier
 
 HANDLES = ("handle_left", "handle_right")
 
@@ -18,7 +18,7 @@ HANDLES = ("handle_left", "handle_right")
 def mirror_lambda(obj: bpy.types.Object) -> None:
     """Copy the F-curve of the object's λ, times TIME_CODES; none where λ is not keyed."""
     for name in OVER_LAMBDA:
-        modifier = obj.modifiers.get(name)
+        modifier = find_modifier(obj, name)
         if modifier is not None and modifier.cache_file is not None:
             _mirror(obj, modifier.cache_file)
 
