@@ -149,6 +149,9 @@ def walk(op: Operators, stormfield) -> None:
     op.fix_normals()
     op.fill_parts()
     op.tried("leave_out_parts")  # every part has an element
+    op.tried("transfer_field")  # the mesh is the one that was solved
+    op.tried("select_faults")
+    bpy.ops.object.mode_set(mode="OBJECT")
     op.subdivide_mesh(times=1)
     op.solve()
     bake = settings.bake
@@ -156,6 +159,8 @@ def walk(op: Operators, stormfield) -> None:
     bake.resolution = "256"
     op.bake()
     op.use_baked_caches()
+    op.bring_caches()
+    op.clean_caches()
     op.apply_material(material="lava")
     op.analyze()
     op.analyze_lambda()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where caches live: next to the .blend file when it is saved, in Blender's temporary folder until then.
 
-
     stormfield_cache / <object> / lambda-0123456789ab
 
 Folders of caches are named by what made them, so files, versions and objects that share one show the same. An object
