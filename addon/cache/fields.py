@@ -29,7 +29,7 @@ def attributes_of(solution, stream: np.ndarray, indices: Iterable[int]) -> Itera
 
 def _attributes(solution, stream: np.ndarray, rotation: Rotation, index: int) -> dict[str, np.ndarray]:
     vectors = {attribute: solution.fields[name].sample(index).to_space() for name, attribute in ATTRIBUTE.items()}
-    speed = np.linalg.norm(vectors[ADVECTION], axis=1)
+    speed = np.sqrt(np.einsum("ij,ij->i", vectors[ADVECTION], vectors[ADVECTION]))
     attributes = {**vectors, SPEED: speed, STREAM: stream, ROTATION: rotation.of(vectors[ADVECTION])}
     return {name: np.asarray(solution.to_mesh(values), np.float32) for name, values in attributes.items()}
 
