@@ -130,6 +130,7 @@ class SolveSettings:
     tolerance: float = 1e-4
     lambda_per_second: float = 1.0
     weld: float = 1e-5
+    edge: float = 0.0
 
     def check(self) -> None:
         if self.samples < 1:
@@ -138,6 +139,8 @@ class SolveSettings:
             value = getattr(self, what)
             if not (math.isfinite(value) and value > 0):
                 raise InputError(f"settings: {what} is {value:g}: give a number above 0")
+        if not (math.isfinite(self.edge) and self.edge >= 0.0):
+            raise InputError(f"settings: edge is {self.edge:g}: give a length, or 0 for the mesh itself")
         if not 0.0 <= self.weld <= 0.1:
             raise InputError(f"settings: weld is {self.weld:g}: give a part of the mesh's size from 0 to 0.1")
         if not 0.0 <= self.even_speed <= 1.0:

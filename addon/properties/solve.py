@@ -2,7 +2,7 @@
 """Settings of the space-time solve."""
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ..model.design import SolveSettings
 
@@ -46,6 +46,23 @@ class SolveProperties(bpy.types.PropertyGroup):
         default=DEFAULTS.tolerance,
         precision=6,
         step=0.01,
+    )
+    solve_on: EnumProperty(
+        name="Solve On",
+        description="Where the field is worked out; it always lives on the vertices of the mesh",
+        items=(
+            ("MESH", "Mesh", "The mesh as it is"),
+            ("DENSITY", "Density", "The mesh refined inside the solve; its own vertices take their vectors from there"),
+        ),
+    )
+    edge: FloatProperty(
+        name="Edge Length",
+        description="The mesh is refined inside the solve until no edge is longer, in mesh units (object space)",
+        min=1e-6,
+        default=0.05,
+        precision=3,
+        step=1,
+        subtype="DISTANCE",
     )
     weld: FloatProperty(
         name="Join Seams",

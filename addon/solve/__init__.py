@@ -18,6 +18,7 @@ from .. import native
 from ..model.design import FIELDS, Design, Element, FieldName
 from ..model.manifold import manifold
 from ..model.mesh_data import MeshData
+from ..model.refinement import refined
 from .carried import Carried
 
 
@@ -79,7 +80,8 @@ class SolveJob:
         self._solves = _distinct(design)
         native.check()
         self._manifold = manifold(mesh, design.settings.weld)
-        surface, kept = (state or SolverState()).of(mesh, self._manifold.mesh)
+        solved = refined(self._manifold.mesh, design.settings.edge)
+        surface, kept = (state or SolverState()).of(mesh, solved)
         lists = [[_native_element(element) for element in elements] for _, elements in self._solves]
         for elements in lists:
             native.check_elements(elements)

@@ -46,7 +46,8 @@ class Carried:
 
     def to_mesh(self, values: np.ndarray) -> np.ndarray:
         """(k, …) at the vertices of the surface → (n, …) at those of the mesh."""
-        return self._manifold.to_mesh(values if self._nearest is None else self._nearest.fill(values))
+        filled = values if self._nearest is None else self._nearest.fill(values)
+        return self._manifold.to_mesh(filled[: len(self._manifold.origin)])  # those of a refined mesh come first
 
     def line(self) -> str:
         """One sentence on what of the mesh is no surface; empty where nothing is."""
@@ -74,7 +75,7 @@ def _hanging(manifold: Manifold, surface: native.TriangleMesh, without: list[int
     """Components without element that share vertices of the mesh, over others too, with one that has elements."""
     if not without or manifold.same:
         return set()
-    component = surface.components[surface.triangles].ravel()
+    component = surface.components[manifold.mesh.triangles].ravel()
     order = np.argsort(manifold.joints, kind="stable")
     same = manifold.joints[order][1:] == manifold.joints[order][:-1]
     group = connected(surface.component_count, component[order[:-1][same]], component[order[1:][same]])

@@ -220,3 +220,29 @@ def test_such_a_mesh_is_analyzed(plane, scene, fault):
     assert len(sets) == len(plane.data.polygons)
     near = min(plane.data.polygons, key=lambda polygon: polygon.center.length).index
     assert sets[near] >= 0
+
+
+def test_a_coarse_cage_is_solved_at_a_density(scene):
+    from stormfield.scene.write.elements import add_element
+
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    cage = bpy.context.object
+    cage.modifiers.new("Subdivision", "SUBSURF").levels = 4
+    bpy.ops.stormfield.add_field()
+    empty = bpy.data.objects.new("Eye", None)
+    scene.collection.objects.link(empty)
+    mesh = cage.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    empty.location = (0, 0, max(vertex.co.z for vertex in mesh.vertices))
+    add_element(cage, empty, type="singular", kind="vortex_ccw", radius=0.5)
+    settings = cage.stormfield.solve
+    settings.samples, settings.solve_on, settings.edge = 2, "DENSITY", 0.2
+    assert bpy.ops.stormfield.solve() == {"FINISHED"}
+    mesh = cage.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    flow = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.attributes["sf_advection"].data.foreach_get("vector", flow)
+    flow = flow.reshape(-1, 3)
+    points = np.array([vertex.co for vertex in mesh.vertices])
+    around = (points[:, 2] > 0) & (np.abs(np.hypot(points[:, 0], points[:, 1]) - 0.3) < 0.05)
+    left = np.cross((0, 0, 1), points[around])
+    turn = np.einsum("ij,ij->i", left, flow[around])
+    assert (turn / np.linalg.norm(left, axis=1) / np.linalg.norm(flow[around], axis=1)).min() > 0.95

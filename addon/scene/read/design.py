@@ -63,6 +63,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
             even_speed=settings.even_speed,
             tolerance=settings.tolerance,
             weld=settings.weld,
+            edge=settings.edge if settings.solve_on == "DENSITY" else 0.0,
             lambda_per_second=lambda_per_second(context.scene, obj),
         ),
     )
