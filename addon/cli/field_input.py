@@ -16,7 +16,7 @@ import click
 
 from ..model.errors import InputError
 from ..model.words import Json
-from ..readers import Choice, FieldData, read_field
+from ..readers import Choice, FieldData, Reading, read_field
 from .blender import load_core
 from .located import located
 from .output import Phases, describe_mesh, field_argument, surface_of, write_result
@@ -57,6 +57,12 @@ class FieldInput:
         if self.data.geography is not None:
             content = located(content, self.data.geography)
         write_result(self._out, schema, self.data.read, {"mesh": describe_mesh(self.mesh), **content, "seconds": spent})
+
+    def write_part(self, schema: str, read: Reading, content: dict[str, Json]) -> None:
+        """The JSON of a part of the samples, with what places and times of the whole need."""
+        places = self.data.geography.to_json() if self.data.geography is not None else None
+        about = {"mesh": describe_mesh(self.mesh), "geography": places}
+        write_result(self._out, schema, read, {**about, **content, "seconds": self.phases.seconds})
 
 
 def field_command(picture: str, read: Read = read_field) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..model.words import Json
+
 #: Calendars that are the one of datetime64, from its introduction on.
 COMMON = ("standard", "gregorian", "proleptic_gregorian")
 
@@ -21,6 +23,16 @@ class Geography:
     numbers: np.ndarray | None = None
     unit: str = ""
     calendar: str = ""
+
+    def to_json(self) -> dict[str, Json]:
+        """Plain values, from which from_json makes the same."""
+        ends = None if self.numbers is None else [float(self.numbers[0]), float(self.numbers[-1])]
+        return {"spherical": self.spherical, "ends": ends, "unit": self.unit, "calendar": self.calendar}
+
+    @classmethod
+    def from_json(cls, given: dict[str, Json]) -> Geography:
+        numbers = None if given["ends"] is None else np.array(given["ends"])
+        return cls(given["spherical"], numbers, given["unit"], given["calendar"])
 
     def latitude_longitude(self, positions) -> np.ndarray:
         """(..., 3) → (..., 2) degrees north, and east from −180 to 180."""

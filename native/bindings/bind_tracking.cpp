@@ -80,6 +80,95 @@ py::array_t<double> vectorArray(const Vec3& v) {
   return py::array_t<double>(3, v.data());
 }
 
+// Paths and bifurcations as plain values, there and back -----------------------------------------------------------
+
+py::dict changesOf(const std::vector<StabilityChange>& changes) {
+  std::vector<double> lambdas;
+  std::vector<Index> faces;
+  std::vector<std::array<double, 3>> barycentric, positions;
+  for (const StabilityChange& c : changes) {
+    lambdas.push_back(c.lambda);
+    faces.push_back(c.point.face);
+    barycentric.push_back({c.point.barycentric[0], c.point.barycentric[1], c.point.barycentric[2]});
+    positions.push_back({c.position[0], c.position[1], c.position[2]});
+  }
+  py::dict result;
+  result["lambdas"] = lambdas;
+  result["faces"] = faces;
+  result["barycentric"] = barycentric;
+  result["positions"] = positions;
+  return result;
+}
+
+py::dict marginsOf(const PathView& view) {
+  const StabilityMargins& margins = view.path().margins;
+  py::dict result;
+  result["first"] = margins.first;
+  result["last"] = margins.last;
+  result["first_certain"] = margins.firstCertain;
+  result["last_certain"] = margins.lastCertain;
+  result["before"] = changesOf(margins.before);
+  result["after"] = changesOf(margins.after);
+  return result;
+}
+
+Vec3 vectorFrom(const py::handle& values) {
+  const auto v = py::cast<std::array<double, 3>>(values);
+  return {v[0], v[1], v[2]};
+}
+
+TrackedPath pathFrom(const py::dict& given) {
+  TrackedPath path;
+  path.index = py::cast<int>(given["index"]);
+  path.begin = static_cast<PathEnd>(py::cast<BeginOfPath>(given["begin"]));
+  path.end = static_cast<PathEnd>(py::cast<EndOfPath>(given["end"]));
+  path.strength = py::cast<double>(given["strength"]);
+  path.rotation = py::cast<double>(given["rotation"]);
+  const auto lambdas = py::cast<std::vector<double>>(given["lambdas"]);
+  const auto faces = py::cast<std::vector<Index>>(given["faces"]);
+  const auto barycentric = py::cast<std::vector<std::array<double, 3>>>(given["barycentric"]);
+  const auto positions = py::cast<std::vector<std::array<double, 3>>>(given["positions"]);
+  const auto kinds = py::cast<std::vector<FixedPointKind>>(given["kinds"]);
+  const std::size_t count = lambdas.size();
+  if (count == 0 || faces.size() != count || barycentric.size() != count || positions.size() != count ||
+      kinds.size() != count) {
+    throw InputError(message("a path has ", count, " lambdas and other numbers of faces, places or kinds"));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& b = barycentric[i];
+    const auto& p = positions[i];
+    path.samples.push_back({lambdas[i], {faces[i], {b[0], b[1], b[2]}}, {p[0], p[1], p[2]}, kinds[i]});
+  }
+  path.kind = prevailingKind(path.samples);
+  return path;
+}
+
+Bifurcation bifurcationFrom(const py::dict& given, std::size_t pathCount) {
+  Bifurcation event;
+  event.lambda = py::cast<double>(given["lam"]);
+  event.point = {py::cast<Index>(given["face"]), vectorFrom(given["barycentric"])};
+  event.position = vectorFrom(given["position"]);
+  event.kind = py::cast<BifurcationKind>(given["kind"]);
+  event.node = py::cast<FixedPointKind>(given["node"]);
+  const auto paths = py::cast<std::vector<Index>>(given["paths"]);
+  const std::size_t wanted = event.kind == BifurcationKind::Hopf ? 1 : 2;
+  if (paths.size() != wanted) throw InputError(message("a bifurcation names ", paths.size(), " paths, not ", wanted));
+  for (std::size_t k = 0; k < wanted; ++k) {
+    if (paths[k] < 0 || static_cast<std::size_t>(paths[k]) >= pathCount) {
+      throw InputError(message("a bifurcation names path ", paths[k], " of ", pathCount));
+    }
+    event.paths[k] = paths[k];
+  }
+  return event;
+}
+
+std::shared_ptr<Tracking> trackingFrom(const std::vector<py::dict>& paths, const std::vector<py::dict>& bifurcations) {
+  auto result = std::make_shared<Tracking>();
+  for (const py::dict& path : paths) result->paths.push_back(pathFrom(path));
+  for (const py::dict& event : bifurcations) result->bifurcations.push_back(bifurcationFrom(event, paths.size()));
+  return result;
+}
+
 void bindPath(py::module_& m) {
   py::class_<PathView>(m, "TrackedPath", py::module_local(), "One fixed point over lambda: k samples. Immutable.")
       .def_property_readonly(
@@ -125,6 +214,11 @@ void bindPath(py::module_& m) {
           },
           "(k, 3) float64, coordinates in the faces.")
       .def_property_readonly("kinds", &kinds, "Kind at each sample.")
+      .def_property_readonly(
+          "margins", &marginsOf,
+          "What joining it to its continuation needs to judge Hopf bifurcations: signs of the trace, +1 or -1, or 0\n"
+          "where there is none, first, last, first_certain and last_certain; its changes before and after the certain "
+          "ones.")
       .def("__repr__", [](const PathView& v) {
         const TrackedPath& path = v.path();
         return message("<TrackedPath ", name(path.kind), " from ", path.samples.front().lambda, " to ",
@@ -158,6 +252,9 @@ void bind_tracking(py::module_& m) {
   bindBifurcation(m);
   py::class_<Tracking, std::shared_ptr<Tracking>>(m, "Tracking", py::module_local(),
                                                   "The history of a field's fixed points over lambda. Immutable.")
+      .def(py::init(&trackingFrom), py::arg("paths"), py::arg("bifurcations"),
+           "From paths and bifurcations as dicts of plain values, with the names of the members of TrackedPath and\n"
+           "Bifurcation. Raises InputError for numbers that do not fit.")
       .def_property_readonly(
           "paths", [](const std::shared_ptr<Tracking>& t) { return views(t); },
           "List of TrackedPath, in the order they begin.")

@@ -23,13 +23,30 @@ struct PathSample {
 /// Where a path begins or ends: at the first or last sample of the field, at the mesh boundary, or with a second path.
 enum class PathEnd { Range, Boundary, Bifurcation };
 
+/// Where the trace of the Jacobian changes its sign.
+struct StabilityChange {
+  double lambda = 0.0;
+  SurfacePoint point;
+  Vec3 position = Vec3::Zero();
+};
+
+/// What is needed of a path to judge Hopf bifurcations when it is joined to the path that it is the continuation of:
+/// signs of the trace are +1, a source, -1, a sink, or 0 where there is none.
+struct StabilityMargins {
+  int first = 0, last = 0;                ///< signs of the first and last trace that is not zero
+  int firstCertain = 0, lastCertain = 0;  ///< the same where the damping ratio exceeds the tolerance
+  std::vector<StabilityChange> before;    ///< changes before the first certain sign; all where none is certain
+  std::vector<StabilityChange> after;     ///< changes after the last certain sign
+};
+
 struct TrackedPath {
   int index = 0;                                     ///< Poincare index, +1 or -1
   FixedPointKind kind = FixedPointKind::Degenerate;  ///< what it is for the longest share of its life
   std::vector<PathSample> samples;                   ///< at every sample of the field and every edge, and in between
   PathEnd begin = PathEnd::Range, end = PathEnd::Range;
-  double strength = 0.0;  ///< mean of sqrt|det J| over its life, 1/s
-  double rotation = 0.0;  ///< mean of the curl over its life, 1/s: > 0 is counter-clockwise seen from outside
+  double strength = 0.0;     ///< mean of sqrt|det J| over its life, 1/s
+  double rotation = 0.0;     ///< mean of the curl over its life, 1/s: > 0 is counter-clockwise seen from outside
+  StabilityMargins margins;  ///< of a path of index +1, as it was tracked
 
   /// The interval of lambda it lives through: its persistence.
   double life() const { return samples.back().lambda - samples.front().lambda; }

@@ -68,7 +68,7 @@ TrackedPath summary(const ChargePath& charge, const std::vector<JetSample>& jets
 
 /// Between two jets whose traces differ in sign: by false position within one face; where they lie on the two sides of
 /// an edge, the nearer one to zero.
-Bifurcation hopfBetween(const PathSampler& sampler, const JetSample& a, const JetSample& b) {
+StabilityChange changeBetween(const PathSampler& sampler, const JetSample& a, const JetSample& b) {
   JetSample low = a, high = b;
   const bool inside = a.sample.point.face == b.sample.point.face && a.sample.lambda < b.sample.lambda;
   for (int step = 0; inside && step < kMaxHopfSteps; ++step) {
@@ -80,38 +80,58 @@ Bifurcation hopfBetween(const PathSampler& sampler, const JetSample& a, const Je
   }
   const bool early = std::abs(low.jacobian.trace()) < std::abs(high.jacobian.trace());
   const PathSample& nearest = (early ? low : high).sample;
+  return {nearest.lambda, nearest.point, nearest.position};
+}
+
+Bifurcation hopfAt(const StabilityChange& change, FixedPointKind node) {
   Bifurcation result;
-  result.lambda = nearest.lambda;
-  result.point = nearest.point;
-  result.position = nearest.position;
+  result.lambda = change.lambda;
+  result.point = change.point;
+  result.position = change.position;
   result.kind = BifurcationKind::Hopf;
+  result.node = node;
   return result;
 }
+
+struct Stability {
+  std::vector<Bifurcation> hopfs;
+  StabilityMargins margins;
+};
 
 /// Sources that become sinks, or back (Hopf 1942): the trace changes its sign while the determinant is positive. A sign
 /// is certain where the damping ratio exceeds the tolerance; of the changes between two certain signs (an odd number)
 /// the middle one counts.
-std::vector<Bifurcation> hopfBifurcations(const PathSampler& sampler, const std::vector<JetSample>& jets,
-                                          double damping) {
-  std::vector<Bifurcation> result;
+Stability stabilityOf(const PathSampler& sampler, const std::vector<JetSample>& jets, double damping) {
+  Stability result;
+  StabilityMargins& margins = result.margins;
   std::vector<std::pair<const JetSample*, const JetSample*>> changes;
+  const auto located = [&] {
+    std::vector<StabilityChange> places;
+    for (const auto& [last, next] : changes) places.push_back(changeBetween(sampler, *last, *next));
+    return places;
+  };
   const JetSample* before = nullptr;
-  bool certain = false, outward = false;
   for (const JetSample& jet : jets) {
     const double det = jet.jacobian.determinant(), trace = jet.jacobian.trace();
     if (det <= 0.0 || trace == 0.0) continue;
+    const int sign = trace > 0.0 ? 1 : -1;
+    if (margins.first == 0) margins.first = sign;
+    margins.last = sign;
     if (before != nullptr && before->jacobian.trace() * trace < 0.0) changes.emplace_back(before, &jet);
     before = &jet;
     if (std::abs(trace) <= 2.0 * damping * std::sqrt(det)) continue;
-    if (certain && outward != (trace > 0.0)) {
+    if (margins.firstCertain == 0) {
+      margins.firstCertain = sign;
+      margins.before = located();
+    } else if (margins.lastCertain != sign) {
       const auto [last, next] = changes[changes.size() / 2];
-      result.push_back(hopfBetween(sampler, *last, *next));
-      result.back().node = trace > 0.0 ? FixedPointKind::Source : FixedPointKind::Sink;
+      result.hopfs.push_back(
+          hopfAt(changeBetween(sampler, *last, *next), sign > 0 ? FixedPointKind::Source : FixedPointKind::Sink));
     }
-    certain = true;
-    outward = trace > 0.0;
+    margins.lastCertain = sign;
     changes.clear();
   }
+  (margins.firstCertain == 0 ? margins.before : margins.after) = located();
   return result;
 }
 
@@ -136,16 +156,16 @@ Bifurcation pairEvent(const ZeroCrossing& crossing, const TriangleMesh& mesh, co
 
 /// Creation, Hopf bifurcations and annihilation of a path of index +1, in this order.
 std::vector<Bifurcation> eventsOf(const ChargePath& path, Index number, const std::vector<JetSample>& jets,
-                                  const PathSampler& sampler, const std::vector<ZeroCrossing>& crossings,
-                                  const TriangleMesh& mesh, double hopfDamping) {
+                                  const std::vector<Bifurcation>& hopfs, const PathSampler& sampler,
+                                  const std::vector<ZeroCrossing>& crossings, const TriangleMesh& mesh) {
   std::vector<Bifurcation> events;
   if (path.createdWith != kNone) {
     events.push_back(pairEvent(crossings[path.begin], mesh, sampler, BifurcationKind::Creation, nodeKind(jets.front()),
                                {number, path.createdWith}));
   }
-  for (Bifurcation& hopf : hopfBifurcations(sampler, jets, hopfDamping)) {
-    hopf.paths = {number, kNone};
+  for (const Bifurcation& hopf : hopfs) {
     events.push_back(hopf);
+    events.back().paths = {number, kNone};
   }
   if (path.annihilatedWith != kNone) {
     events.push_back(pairEvent(crossings[path.end], mesh, sampler, BifurcationKind::Annihilation, nodeKind(jets.back()),
@@ -176,7 +196,9 @@ Tracking trackFixedPoints(const ParameterizedField& field, const TrackingOptions
     progress.report(static_cast<double>(++done) / static_cast<double>(paths.size()));
     // A pair's events are listed once, with its node.
     if (paths[i].charge < 0) return;
-    events[i] = eventsOf(paths[i], static_cast<Index>(i), jets, sampler, crossings, mesh, options.hopfDamping);
+    const Stability stability = stabilityOf(sampler, jets, options.hopfDamping);
+    result.paths[i].margins = stability.margins;
+    events[i] = eventsOf(paths[i], static_cast<Index>(i), jets, stability.hopfs, sampler, crossings, mesh);
   });
   progress.check();
   for (const auto& of : events) result.bifurcations.insert(result.bifurcations.end(), of.begin(), of.end());

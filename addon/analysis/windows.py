@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tracking in windows of λ that share one sample, as parts that stitching.py joins. Between two samples the field is
+linear, so a window needs nothing from outside.
+
+    part = window_json(followed, mesh, lambdas, tangents)      # plain values, written by `stormfield track --from --to`
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from .. import native
+from ..model.words import Json
+from .no_field import Region, region_without_field
+
+SCHEMA = "stormfield.window/1"
+
+
+def window_json(
+    followed: native.Tracking, mesh: native.TriangleMesh, lambdas: np.ndarray, tangents: np.ndarray
+) -> dict[str, Json]:
+    """All paths of a window, unfiltered, and what joining needs: fingerprints of its ends, where it has no field."""
+    return {
+        "lam": [float(lam) for lam in lambdas],
+        "ends": [_fingerprint(mesh, tangents[0]), _fingerprint(mesh, tangents[-1])],
+        "zero_vectors": [int((sample == 0.0).sum()) for sample in tangents],
+        "still": _still(followed, mesh, tangents),
+        "paths": [_path_json(path) for path in followed.paths],
+        "bifurcations": [
+            {
+                "lam": event.lam,
+                "face": event.face,
+                "barycentric": event.barycentric.tolist(),
+                "position": event.position.tolist(),
+                "kind": event.kind,
+                "node": event.node,
+                "paths": list(event.paths),
+            }
+            for event in followed.bifurcations
+        ],
+    }
+
+
+def _fingerprint(mesh: native.TriangleMesh, sample: np.ndarray) -> str:
+    """Of mesh and field at one sample: windows that share it have the same."""
+    digest = hashlib.sha256()
+    for array in (mesh.triangles, mesh.vertices, sample):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def _path_json(path: Any) -> dict[str, Json]:
+    return {
+        "index": path.index,
+        "begin": path.begin,
+        "end": path.end,
+        "strength": path.strength,
+        "rotation": path.rotation,
+        "lambdas": path.lambdas.tolist(),
+        "faces": path.faces.tolist(),
+        "barycentric": path.barycentric.tolist(),
+        "positions": path.positions.tolist(),
+        "kinds": list(path.kinds),
+        "margins": path.margins,
+    }
+
+
+# Where there is no field ----------------------------------------------------------------------------------------------
+
+
+def _still(followed: native.Tracking, mesh: native.TriangleMesh, tangents: np.ndarray) -> dict[str, Json]:
+    """Vertices, faces and whole parts without a field in all of the window, and corners of the faces that matter."""
+    region = region_without_field(mesh, tangents)
+    still = tangents == 0.0
+    still = still if np.iscomplexobj(tangents) else still.all(axis=-1)
+    vertices = still.all(axis=0)
+    faces = np.flatnonzero(region.faces)
+    held = np.unique(np.concatenate([faces, *(path.faces for path in followed.paths)])) if len(faces) else faces
+    components = np.asarray(mesh.components)
+    moving = np.unique(components[~vertices])
+    return {
+        "vertices": np.flatnonzero(vertices).tolist(),
+        "faces": faces.tolist(),
+        "parts": np.setdiff1d(np.unique(components), moving).tolist(),
+        "corners": {str(face): region.triangles[face].tolist() for face in held},
+        "counts": [int(mesh.vertex_count), int(mesh.face_count)],
+    }
+
+
+def common_region(parts: Sequence[Json]) -> Region:
+    """Where no window has a field."""
+    stills = [part["still"] for part in parts]
+    vertex_count, face_count = stills[0]["counts"]
+
+    def common(key: str) -> set[int]:
+        return set.intersection(*(set(still[key]) for still in stills))
+
+    faces, triangles = np.zeros(face_count, bool), np.zeros((face_count, 3), np.int32)
+    faces[sorted(common("faces"))] = True
+    for still in stills:
+        for face, corners in still["corners"].items():
+            triangles[int(face)] = corners
+    vertices = np.zeros(vertex_count, bool)
+    vertices[triangles[faces]] = True
+    return Region(faces, vertices, triangles, len(common("parts")), len(common("vertices")))
