@@ -261,15 +261,16 @@ def _marks(which: str, entities, shown: np.ndarray, surface: Surface, mesh) -> l
 def _faces(evaluated, surface: Surface, entities, shown: np.ndarray) -> Faces | None:
     preview = morse_preview.of(evaluated.original)
     if preview is not None:
-        fits = len(preview.sets) == len(surface.triangles)
-        return paint_sets(surface, preview.sets, preview.kinds) if fits else None
+        evaluated.data.calc_loop_triangles()
+        fits = len(preview.sets) == len(evaluated.data.loop_triangles)
+        return paint_sets(surface, surface.triangle_values(preview.sets), preview.kinds) if fits else None
     sets = morse_faces.read(evaluated.data)
     if sets is None or not len(shown):
         return None
     sets = np.where((sets >= 0) & (sets < len(shown)), sets, -1)
     sets = np.where(np.r_[shown, False][sets], sets, -1)
     kinds = [item.kind for item in entities.items]
-    return paint_sets(surface, sets, kinds)
+    return paint_sets(surface, surface.triangle_values(sets), kinds)
 
 
 def paint_sets(surface: Surface, sets: np.ndarray, kinds: list[str]) -> Faces | None:

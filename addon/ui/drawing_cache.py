@@ -8,6 +8,8 @@ import numpy as np
 
 from .. import native
 from ..analysis.quiet import is_storm
+from ..model.manifold import manifold
+from ..model.mesh_data import MeshData
 from ..model.words import MorseMethod
 from ..scene.read.mesh import loop_triangles
 from ..session import morse_state
@@ -30,7 +32,7 @@ EMPTY = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int32))
 class Drawing:
     """The field of one object at one λ, and its fixed points, in its own space."""
 
-    values: np.ndarray  #: (n, 3) float32 at the vertices of the evaluated mesh
+    values: np.ndarray  #: (n, 3) float32 at the vertices of the surface
     points: list[tuple[str, np.ndarray]]  #: kind and position of every fixed point
     note: str = ""
 
@@ -85,7 +87,7 @@ def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
     if entry.drawing is None or entry.key != key:
         flat = np.empty(len(mesh.vertices) * 3, np.float32)
         attribute.data.foreach_get("vector", flat)
-        values = flat.reshape(-1, 3)
+        values = entry.surface.vertex_values(flat.reshape(-1, 3))
         points = _fixed_points(entry, values) if settings.show_fixed_points else []
         entry.drawing, entry.taus, entry.key = Drawing(values, points, entry.note), {}, key
     return entry.drawing
@@ -143,11 +145,33 @@ def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:
     entry.shape, entry.views, entry.mesh, entry.note = shape, {}, None, ""
     entry.shape_number += 1
     entry.surface = Surface(vertices.reshape(-1, 3).astype(np.float64), triangles)
-    entry.seeds = SeedLevels(entry.surface)
     try:
-        entry.mesh = native.TriangleMesh(entry.surface.vertices, entry.surface.triangles)
+        entry.surface, entry.mesh = _native_surface(entry.surface)
     except (ValueError, RuntimeError, ImportError) as fault:
         entry.note = f"Fixed points cannot be shown: {fault}"
+    entry.seeds = SeedLevels(entry.surface)
+
+
+def _native_surface(surface: Surface):
+    """The surface that a solve would take, and the core's mesh of it. Raises InputError where there is none."""
+    try:
+        mesh = native.TriangleMesh(surface.vertices, surface.triangles)
+        if not _has_inward_parts(surface, mesh):
+            return surface, mesh
+    except ValueError:
+        pass
+    taken = manifold(MeshData(surface.vertices, surface.triangles))
+    part = Surface(taken.mesh.vertices, taken.mesh.triangles, taken)
+    return part, native.TriangleMesh(part.vertices, part.triangles)
+
+
+def _has_inward_parts(surface: Surface, mesh) -> bool:
+    """Whether a closed part has its normals inside: lines that are lifted along them could not be seen."""
+    if mesh.boundary_loop_count:
+        return False
+    a, b, c = (surface.vertices[surface.triangles[:, i]] for i in range(3))
+    volumes = np.einsum("kd,kd->k", a, np.cross(b, c))
+    return bool((np.bincount(mesh.components[surface.triangles[:, 0]], volumes) < 0).any())
 
 
 def _fixed_points(entry: _Entry, values: np.ndarray) -> list[tuple[str, np.ndarray]]:

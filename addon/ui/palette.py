@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The colours that the artist has chosen in the preferences, for everything that is drawn in the interface."""
 
-import bpy
-
 from ..analysis.colours import PALETTES, Colours
+from ..scene.read import user_preferences
 
-DEFAULT = "COLOR_BLIND_SAFE"
+DEFAULT = user_preferences.UserPreferences().palette
 #: Of design elements that are no fixed points, in every palette.
 ELEMENTS = {"streamline": (0.90, 0.62, 0.00), "pathline": (0.80, 0.47, 0.65), "regular": (0.80, 0.82, 0.86)}
 #: Which kind of fixed point a design element's kind is drawn as.
@@ -14,8 +13,7 @@ _ROLES = {"vortex": "center", "spiral_in": "sink", "spiral_out": "source"}
 
 def name() -> str:
     """Of the palette in the preferences."""
-    addon = bpy.context.preferences.addons.get(__package__.rpartition(".")[0])
-    chosen = getattr(addon.preferences, "palette", DEFAULT) if addon is not None else DEFAULT
+    chosen = user_preferences.read().palette
     return chosen if chosen in PALETTES else DEFAULT
 
 

@@ -6,6 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ..model.manifold import Manifold
+
 #: Distance between lines and surface, over the object's diagonal.
 LIFT = 0.003
 
@@ -14,6 +16,15 @@ LIFT = 0.003
 class Surface:
     vertices: np.ndarray  #: (n, 3) float64
     triangles: np.ndarray  #: (m, 3) int32
+    taken: Manifold | None = None  #: how it was taken from a mesh that is no surface itself
+
+    def vertex_values(self, values: np.ndarray) -> np.ndarray:
+        """Of the drawn mesh's vertices → of the surface's."""
+        return values if self.taken is None else self.taken.to_surface(values)
+
+    def triangle_values(self, values: np.ndarray) -> np.ndarray:
+        """Of the drawn mesh's triangles → of the surface's."""
+        return values if self.taken is None else values[self.taken.triangles]
 
     @cached_property
     def size(self) -> float:

@@ -212,17 +212,49 @@ def test_a_drawing_is_kept_until_something_changes(ball, show):
     assert show(values) is not second
 
 
-def test_a_mesh_that_is_no_surface_says_why_and_still_shows_the_field(show):
+@pytest.fixture
+def fan():
+    """Three faces at one edge."""
     bpy.ops.mesh.primitive_cube_add()
     obj = bpy.context.object
     mesh = bpy.data.meshes.new("Fan")
     points = [(0, 0, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0)]
-    mesh.from_pydata(points, [], [(0, 1, 2), (0, 1, 3), (0, 1, 4)])  # three faces at one edge
+    mesh.from_pydata(points, [], [(0, 1, 2), (0, 1, 3), (0, 1, 4)])
     obj.data = mesh
     bpy.ops.stormfield.add_field()
-    drawing = show(np.ones((5, 3)), obj)
-    assert "Fixed points cannot be shown" in drawing.note and not drawing.points
-    assert len(drawing.values) == 5
+    return obj
+
+
+def test_a_mesh_with_fins_is_drawn_on_the_surface_that_a_solve_takes(show, fan):
+    from stormfield.ui import drawing_cache
+
+    drawing = show(np.ones((5, 3)), fan)
+    surface, mesh = drawing_cache.surface_of(fan.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    assert drawing.note == "" and mesh is not None and len(drawing.values) == len(surface.vertices)
+    assert len(surface.triangles) == 3
+    assert np.array_equal(surface.triangle_values(np.array([5, 6, 7])), np.array([5, 6, 7])[surface.taken.triangles])
+
+
+def test_lines_lie_outside_where_normals_point_inward(ball, show):
+    from stormfield.ui import drawing_cache
+    from stormfield.ui.surface import lift
+
+    ball.data.flip_normals()
+    show(turning(vertices(ball)))
+    surface, mesh = drawing_cache.surface_of(ball.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    raised, normals = lift(vertices(ball)[:50], surface, mesh)
+    assert (np.linalg.norm(raised, axis=1) > 1.0).all() and ((raised * normals).sum(axis=1) > 0).all()
+
+
+def test_where_there_is_no_surface_at_all_it_is_said_and_the_field_is_there(show):
+    bpy.ops.mesh.primitive_cube_add()
+    obj = bpy.context.object
+    mesh = bpy.data.meshes.new("Flat")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [], [(0, 1, 2)])
+    obj.data = mesh
+    bpy.ops.stormfield.add_field()
+    drawing = show(np.ones((3, 3)), obj)
+    assert "Fixed points cannot be shown" in drawing.note and drawing.points == [] and len(drawing.values) == 3
 
 
 def test_a_mesh_that_is_no_surface_has_straight_strokes(seen):
