@@ -8,6 +8,7 @@ from bpy.app.handlers import persistent
 
 from .scene.write import cache_files, cache_folders, mirror
 from .session import (
+    coarse_mesh,
     found_caches,
     freshness,
     made_caches,
@@ -70,6 +71,7 @@ def stop_job(*_):
 def forget_drawings(*_):
     overlay.forget()
     freshness.forget()
+    coarse_mesh.forget()
 
 
 @persistent

@@ -3,7 +3,9 @@
 
 import bpy
 
+from ..analysis.doubts import Doubt
 from ..scene.write import doubts
+from ..session import coarse_mesh
 from .panel_parts import text_lines
 
 #: Operators that cure each kind, with their icons.
@@ -16,7 +18,11 @@ CURES = {
 
 
 def draw(context: bpy.types.Context, layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    for doubt in doubts.read(obj):
+    found = doubts.read(obj)
+    coarse = "" if any(doubt.kind == "coarse" for doubt in found) else coarse_mesh.why_too_coarse(obj)
+    if coarse:  # what can be said before a solve
+        found.append(Doubt("coarse", coarse))
+    for doubt in found:
         box = layout.box()
         text_lines(context, box, doubt.text, icon="ERROR")
         row = box.row(align=True)

@@ -117,3 +117,24 @@ def test_undo_brings_doubts_back_with_the_field(cube):
     bpy.ops.ed.undo_push(message="after")
     bpy.ops.ed.undo()
     assert kinds(bpy.context.object) == {"coarse"}
+
+
+def test_a_radius_below_the_edges_is_said_before_solving(ball):
+    from stormfield.scene.write.elements import add_element
+    from stormfield.session import coarse_mesh
+
+    edge = coarse_mesh.mean_edge(ball.data)
+    assert 0.05 < edge < 0.1
+    empty = bpy.data.objects.new("Eye", None)
+    bpy.context.scene.collection.objects.link(empty)
+    element = add_element(ball, empty, type="singular", radius=0.5 * edge)
+    said = coarse_mesh.why_too_coarse(ball)
+    assert "'Eye'" in said and "Subdivide" in said and f"{edge:.2g}" in said
+    ball.stormfield.solve.solve_on, ball.stormfield.solve.edge = "DENSITY", 0.4 * edge
+    assert coarse_mesh.why_too_coarse(ball) == ""
+    ball.stormfield.solve.solve_on = "MESH"
+    bpy.ops.stormfield.subdivide_mesh(times=2)
+    assert coarse_mesh.why_too_coarse(ball) == ""
+    element.enabled = False
+    element.radius = 1e-4
+    assert coarse_mesh.why_too_coarse(ball) == ""
