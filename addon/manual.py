@@ -16,7 +16,10 @@ SITE = "https://stormfield.readthedocs.io/en/latest/"
 
 #: Page of each operator, by the last part of its name.
 OPERATORS = {
-    "panels/field": ("add_field", "remove_field", "key_lambda", "cancel_job", "storm_merge"),
+    "panels/field": (
+        *("add_field", "remove_field", "key_lambda", "cancel_job", "storm_merge"),
+        *("field_from_attribute", "import_data"),
+    ),
     "panels/elements": (
         *("draw_element", "finish_drawing", "add_elements", "place_element"),
         *("remove_element", "move_element", "element_preset"),

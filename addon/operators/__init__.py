@@ -15,6 +15,8 @@ from . import (
     elements,
     faults,
     field,
+    given_field,
+    import_data,
     job_operator,
     morse,
     pathlines,
@@ -29,6 +31,8 @@ from . import (
 
 CLASSES = (
     *field.CLASSES,
+    *given_field.CLASSES,
+    *import_data.CLASSES,
     *elements.CLASSES,
     *draw.CLASSES,
     *job_operator.CLASSES,

@@ -19,6 +19,7 @@ from .field_data import FieldData, NoFieldError
 from .geography import Geography
 from .grids.opening import is_grid, is_pattern
 from .reading import ArrayInfo, Reading
+from .scene_scale import SceneScale
 
 
 def read_field(path: str | Path, choice: Choice | None = None) -> FieldData:
@@ -90,6 +91,7 @@ __all__ = [
     "Geography",
     "NoFieldError",
     "Reading",
+    "SceneScale",
     "is_pattern",
     "read_field",
     "read_mesh",

@@ -11,6 +11,13 @@ from ..model.words import Json
 
 #: Calendars that are the one of datetime64, from its introduction on.
 COMMON = ("standard", "gregorian", "proleptic_gregorian")
+#: Units of time, and their seconds.
+LENGTHS = (
+    ({"s", "sec", "secs", "second", "seconds"}, 1.0),
+    ({"min", "mins", "minute", "minutes"}, 60.0),
+    ({"h", "hr", "hrs", "hour", "hours"}, 3600.0),
+    ({"d", "day", "days"}, 86400.0),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +40,15 @@ class Geography:
     def from_json(cls, given: dict[str, Json]) -> Geography:
         numbers = None if given["ends"] is None else np.array(given["ends"])
         return cls(given["spherical"], numbers, given["unit"], given["calendar"])
+
+    @property
+    def seconds(self) -> float | None:
+        """From the first time to the last; None where the file does not say how long its numbers are."""
+        if self.numbers is None:
+            return None
+        word = self.unit.split(" since ")[0].strip().lower()
+        length = next((size for names, size in LENGTHS if word in names), None)
+        return None if length is None else float(self.numbers[-1] - self.numbers[0]) * length
 
     def latitude_longitude(self, positions) -> np.ndarray:
         """(..., 3) → (..., 2) degrees north, and east from −180 to 180."""

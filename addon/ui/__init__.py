@@ -21,6 +21,7 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_add.append(menus.draw_add_menu)
+    bpy.types.TOPBAR_MT_file_import.append(menus.draw_import_menu)
     graph_editor.register()
     overlay.register()
 
@@ -30,6 +31,7 @@ def unregister() -> None:
     graph_editor.unregister()
     icons.unregister()
     pictures.unregister()
+    bpy.types.TOPBAR_MT_file_import.remove(menus.draw_import_menu)
     bpy.types.VIEW3D_MT_add.remove(menus.draw_add_menu)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

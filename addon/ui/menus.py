@@ -56,6 +56,11 @@ def draw_add_menu(self, _context):
     self.layout.menu("STORMFIELD_MT_add", icon="FORCE_VORTEX")
 
 
+def draw_import_menu(self, _context):
+    text = "Stormfield Data (.nc, .vtp, .vtu, .pvd, .ply, .t, λ cache)"
+    self.layout.operator("stormfield.import_data", text=text)
+
+
 CLASSES = (
     STORMFIELD_MT_add_selected,
     STORMFIELD_MT_place,

@@ -40,6 +40,7 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
         obj = active_field(context)
         if context.object is not None and context.object.type == "MESH" and not context.object.stormfield.enabled:
             layout.operator("stormfield.add_field", icon="ADD", text=f"Add Field to {context.object.name}")
+            layout.operator("stormfield.field_from_attribute", icon="SPREADSHEET")
         elif obj is None:
             layout.operator("stormfield.add_field", icon="ADD")
             layout.label(text="Select a mesh to begin", icon="INFO")
@@ -55,6 +56,7 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
         column.prop(obj.stormfield, "lam", slider=True)
         if compat.find_fcurve(obj, "stormfield.lam") is None:
             layout.operator("stormfield.key_lambda", icon="KEY_HLT")
+        layout.operator("stormfield.field_from_attribute", icon="SPREADSHEET")
         if find_modifier(obj, TURN) is not None:
             layout.prop(obj.stormfield, "speed_on")
 

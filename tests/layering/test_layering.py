@@ -34,7 +34,7 @@ NATIVE = {
 
 # Each part of addon/, a file or a folder, and what it may import besides itself. Inner folders are parts of their own.
 _PLAIN = ["model", "version", "work", "native"]
-_DATA = [*_PLAIN, "solve", "cache", "analysis", "bake/task", "bake/targets", "bake", "compat"]
+_DATA = [*_PLAIN, "solve", "cache", "analysis", "bake/task", "bake/targets", "bake", "readers", "compat"]
 _SCENE = [*_DATA, "scene/read", "scene/nodes", "scene/write"]
 _STATE = [*_SCENE, "session", "properties", "shading", "presets"]
 _ALL = [

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Given vectors and mesh → λ cache: the base field of an object, from an attribute or from data.
+
+    folder = run(given_steps(mesh, GivenField(lambdas, vectors, origin), root, polygons))
+
+The cache holds what a solved one holds, so that analyses, streamlines and bakes work on it as on that.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .. import native
+from ..cache import fields
+from ..cache.field_cache import FieldCacheWriter
+from ..cache.plan import MeshIdentity, Plan
+from ..cache.rotation import rotation
+from ..model.mesh_data import MeshData
+from ..model.polygons import Polygons
+from ..model.words import Json
+from ..version import VERSION
+from ..work import Step, Steps, between, result_of, scaled
+from .unfinished import unfinished
+
+#: Where samples are written, in the fractions of all steps.
+WRITTEN = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class GivenField:
+    """lambdas: increasing, in 0..1. vectors: (n, 3) in object space, mesh units per second, for each λ, made when they
+    are asked for or there already; what is across the surface is left out. origin: what they are made from; the cache
+    is found again by it, so that it has to change with them."""
+
+    lambdas: tuple[float, ...]
+    vectors: Iterable[np.ndarray]
+    origin: Mapping[str, Json]
+
+
+def given_steps(
+    mesh: MeshData, given: GivenField, root: Path, polygons: Polygons | None = None, *, folder: Path | None = None
+) -> Steps[Path]:
+    """Writes the λ cache root/lambda-<key>, or `folder`, of a given field, one sample after another; returns it."""
+    settings = {"base": dict(given.origin), "attributes": list(fields.ATTRIBUTES), "stormfield": VERSION}
+    plan = Plan("usd", "lambda", given.lambdas, MeshIdentity.of(mesh), settings)
+    target = folder or Path(root) / plan.folder_name("lambda")
+    writer = FieldCacheWriter(target, mesh, plan.times, settings, polygons=polygons, resume=True)
+    missing = set((yield from unfinished(writer, range(len(plan.times)))))
+    if missing:
+        surface = fields.native_mesh(mesh)
+        for j, vectors in enumerate(_all(given)):
+            start, end = (between(0.0, WRITTEN, (j + part) / len(plan.times)) for part in (0, 1))
+            if j in missing:
+                attributes = yield from scaled(_attributes(surface, vectors), start, end)
+                writer.write_sample(j, attributes)
+            yield Step(end, f"Writing sample {j + 1} of {len(plan.times)}")
+    yield from scaled(writer.finish(), WRITTEN, 1.0)
+    return target
+
+
+def _all(given: GivenField) -> Iterator[np.ndarray]:
+    yield from given.vectors
+
+
+def _attributes(surface: native.TriangleMesh, vectors: np.ndarray) -> Steps[dict[str, np.ndarray]]:
+    """What a λ cache holds of one λ."""
+    field = native.VectorField.from_space(surface, np.asarray(vectors, np.float64))
+    tangent = field.to_space()
+    one = native.ParameterizedField(surface, np.zeros(1), np.asarray(field.values)[None])
+    stream = yield from result_of(native.start_stream_functions(one), 0.0, "Finding the stream function")
+    attributes = {
+        fields.ORIENTATION: tangent,
+        fields.ADVECTION: tangent,
+        fields.SPEED: np.linalg.norm(tangent, axis=1),
+        fields.STREAM: stream[0],
+        fields.ROTATION: rotation(surface, tangent),
+    }
+    return {name: np.asarray(values, np.float32) for name, values in attributes.items()}

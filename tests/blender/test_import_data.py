@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""File → Import → Stormfield Data: globes, regions with coasts, surfaces and caches as objects with a field."""
+
+import bpy
+import numpy as np
+import pytest
+from stormfield.scene.read.attached import LAMBDA, attached_folder
+
+AXIS = np.array([3.0, -5.0, 8.0])
+
+
+@pytest.fixture
+def wind(tmp_path):
+    """A file of a rotation that doubles in a day, with land where asked for."""
+    xarray = pytest.importorskip("xarray")
+
+    def write(land=False, times=3):
+        latitude, longitude = np.arange(-90.0, 91.0, 5.0), np.arange(0.0, 360.0, 5.0)
+        phi, theta = np.meshgrid(np.radians(latitude), np.radians(longitude), indexing="ij")
+        place = np.stack([np.cos(phi) * np.cos(theta), np.cos(phi) * np.sin(theta), np.sin(phi)], -1)
+        east = np.stack([-np.sin(theta), np.cos(theta), 0 * phi], -1)
+        north = np.stack([-np.sin(phi) * np.cos(theta), -np.sin(phi) * np.sin(theta), np.cos(phi)], -1)
+        flow = np.cross(AXIS, place)
+        growth = np.linspace(1.0, 2.0, times)[:, None, None]
+        u, v = growth * (flow * east).sum(-1), growth * (flow * north).sum(-1)
+        if land:
+            u[:, 20:26, 10:20] = np.nan
+        dims = ("time", "latitude", "longitude")
+        data = xarray.Dataset(
+            {"u10": (dims, u, {"units": "m s-1"}), "v10": (dims, v, {"units": "m s-1"})},
+            {
+                "time": ("time", np.linspace(0.0, 24.0, times), {"units": "hours since 2018-10-06"}),
+                "latitude": latitude,
+                "longitude": longitude,
+            },
+        )
+        data.to_netcdf(tmp_path / "wind.nc")
+        return str(tmp_path / "wind.nc")
+
+    return write
+
+
+def shown(obj, name="sf_advection"):
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    values = np.empty(len(evaluated.vertices) * 3, np.float32)
+    evaluated.attributes[name].data.foreach_get("vector", values)
+    return values.reshape(-1, 3).astype(float)
+
+
+def places(obj):
+    values = np.empty(len(obj.data.vertices) * 3, np.float32)
+    obj.data.vertices.foreach_get("co", values)
+    return values.reshape(-1, 3).astype(float)
+
+
+def test_wind_is_a_globe_in_the_time_of_the_scene(native, wind, scene):
+    """A day in 50 frames at 25 a second: 1.96 s, so that speeds are 44,082 times those of the data."""
+    scene.render.fps = 25
+    assert bpy.ops.stormfield.import_data(filepath=wind()) == {"FINISHED"}
+    obj = bpy.context.object
+    assert obj.stormfield.enabled and obj.name == "wind"
+    assert np.allclose(np.linalg.norm(places(obj), axis=1), 1.0, atol=1e-5)
+    factor = 86400.0 / (49 / 25) / 6371000.0
+    for frame, growth in ((1, 1.0), (50, 2.0)):
+        scene.frame_set(frame)
+        exact = growth * factor * np.cross(AXIS, places(obj))
+        assert np.abs(shown(obj) - exact).max() < 0.01 * np.abs(exact).max()
+    assert list(obj["stormfield_times"]) == ["2018-10-06T00:00:00", "2018-10-07T00:00:00"]
+    assert "u10" in obj["stormfield_read"]
+    assert not obj.children
+    assert bpy.ops.stormfield.analyze_lambda() == {"FINISHED"}
+    assert bpy.ops.stormfield.streamlines() == {"FINISHED"}
+
+
+def test_coasts_are_a_curve_and_the_ground_is_seen(native, wind):
+    assert bpy.ops.stormfield.import_data(filepath=wind(land=True), radius=2.0) == {"FINISHED"}
+    obj = bpy.context.object
+    kinds = {child.type: child for child in obj.children}
+    assert kinds.keys() == {"CURVE", "MESH"}
+    assert len(kinds["CURVE"].data.splines) == 1
+    assert np.allclose(np.linalg.norm(places(obj), axis=1), 2.0, atol=1e-5)
+
+
+def test_times_are_chosen_and_one_time_is_still(native, wind):
+    path = wind()
+    assert bpy.ops.stormfield.import_data(filepath=path, first="2018-10-06T12") == {"FINISHED"}
+    obj = bpy.context.object
+    ratio = shown(obj) / np.maximum(np.abs(shown(obj)).max(), 1e-9)
+    exact = np.cross(AXIS, places(obj))
+    assert np.abs(ratio - exact / np.abs(exact).max()).max() < 0.02
+
+
+def test_a_surface_keeps_its_size(native, tmp_path):
+    rows = ["4 4", "0 1 2", "0 3 1", "1 3 2", "0 2 3"]
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    rows += [" ".join(map(str, row)) for row in (*corners, *np.cross(AXIS, corners - 0.25))]
+    (tmp_path / "a.t").write_text("\n".join(rows))
+    assert bpy.ops.stormfield.import_data(filepath=str(tmp_path / "a.t")) == {"FINISHED"}
+    assert np.allclose(places(bpy.context.object), corners)
+
+
+def test_a_cache_is_shown_where_it_is(native, wind, tmp_path):
+    """As the command line makes it, for a Blender that lacks the packages."""
+    from stormfield.cli import main
+
+    assert main(["import", wind(), "--out", str(tmp_path / "cache"), "--seconds", "2"]) == 0
+    file = next((tmp_path / "cache").glob("field.usd*"))
+    assert bpy.ops.stormfield.import_data(filepath=str(file)) == {"FINISHED"}
+    obj = bpy.context.object
+    assert attached_folder(obj, LAMBDA) == tmp_path / "cache"
+    exact = 86400.0 / 2.0 / 6371000.0 * np.cross(AXIS, places(obj))
+    assert np.abs(shown(obj) - exact).max() < 0.01 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("absent.nc", "no such file"), ("bad.nc", "is not a grid"), ("bad.t", "does not begin")]
+)
+def test_what_cannot_be_read_is_refused_and_leaves_nothing(native, tmp_path, name, words):
+    if name.startswith("bad"):
+        (tmp_path / name).write_bytes(b"nonsense")
+    with pytest.raises(RuntimeError, match=words):
+        bpy.ops.stormfield.import_data(filepath=str(tmp_path / name))
+    assert not bpy.data.objects
+
+
+def test_a_package_that_this_blender_lacks_is_named(native, wind, monkeypatch):
+    path = wind()
+    import builtins
+
+    original = builtins.__import__
+
+    def without(name, *arguments, **options):
+        if name == "xarray":
+            raise ImportError("No module named 'xarray'", name="xarray")
+        return original(name, *arguments, **options)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(RuntimeError, match=r"needs the Python package xarray.*stormfield import"):
+        bpy.ops.stormfield.import_data(filepath=path)
