@@ -1134,3 +1134,24 @@ def test_a_rotated_pole_with_true_places(tmp_path):
 def test_winds_of_the_wrf_near_the_surface_come_before_those_of_levels(tmp_path):
     data = xarray.merge([wrf(staggered=True), wrf()], compat="override")
     assert [array.name for array in read_field(written(tmp_path, data)).read.arrays] == ["U10", "V10"]
+
+
+def test_import_makes_a_cache_in_the_size_of_a_scene(tmp_path, capsys):
+    import json
+
+    from stormfield.cache.field_cache import open_cache
+    from stormfield.cli import main
+
+    path = written(tmp_path, field([rotation(AXIS), rotation(2 * AXIS)], *grid(10.0)))
+    arguments = ["import", str(path), "--out", str(tmp_path / "cache"), "--seconds", "6", "--json", "-"]
+    assert main(arguments) == 0
+    report = json.loads(capsys.readouterr().out)
+    cache = open_cache(tmp_path / "cache")
+    assert np.allclose(np.linalg.norm(cache.mesh.vertices, axis=1), 1.0, atol=1e-6)
+    factor = 6 * 3600 / 6 / RADIUS
+    assert report["scale"]["speeds"] == pytest.approx(factor)
+    exact = 2 * factor * np.cross(AXIS, cache.mesh.vertices)
+    found = cache.at(1.0)["sf_advection"]
+    assert np.abs(found - exact).max() < 0.02 * np.abs(exact).max()
+    assert main(["import", str(path), "--out", str(tmp_path / "b"), "--seconds", "0"]) == 2
+    assert main(["import", str(path), "--out", str(path)]) == 2
