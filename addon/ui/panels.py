@@ -56,7 +56,8 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
         column.prop(obj.stormfield, "lam", slider=True)
         if compat.find_fcurve(obj, "stormfield.lam") is None:
             layout.operator("stormfield.key_lambda", icon="KEY_HLT")
-        layout.operator("stormfield.field_from_attribute", icon="SPREADSHEET")
+        if context.object == obj:
+            layout.operator("stormfield.field_from_attribute", icon="SPREADSHEET")
         if find_modifier(obj, TURN) is not None:
             layout.prop(obj.stormfield, "speed_on")
 
