@@ -16,7 +16,8 @@ from .. import native
 from ..cache import fields
 from ..cache.field_cache import FieldCacheWriter
 from ..cache.plan import MeshIdentity, Plan
-from ..cache.rotation import rotation
+from ..cache.rotation import Rotation
+from ..model.manifold import Manifold, manifold
 from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
 from ..model.words import Json
@@ -49,7 +50,7 @@ def given_steps(
     writer = FieldCacheWriter(target, mesh, plan.times, settings, polygons=polygons, resume=True)
     missing = set((yield from unfinished(writer, range(len(plan.times)))))
     if missing:
-        surface = fields.native_mesh(mesh)
+        surface = _Surface(manifold(mesh))
         for j, vectors in enumerate(_all(given)):
             start, end = (between(0.0, WRITTEN, (j + part) / len(plan.times)) for part in (0, 1))
             if j in missing:
@@ -64,17 +65,26 @@ def _all(given: GivenField) -> Iterator[np.ndarray]:
     yield from given.vectors
 
 
-def _attributes(surface: native.TriangleMesh, vectors: np.ndarray) -> Steps[dict[str, np.ndarray]]:
+class _Surface:
+    """The surface in the mesh, as a solve takes it."""
+
+    def __init__(self, part: Manifold) -> None:
+        self.part = part
+        self.mesh = fields.native_mesh(part.mesh)
+        self.rotation = Rotation(self.mesh)
+
+
+def _attributes(surface: _Surface, vectors: np.ndarray) -> Steps[dict[str, np.ndarray]]:
     """What a λ cache holds of one λ."""
-    field = native.VectorField.from_space(surface, np.asarray(vectors, np.float64))
+    field = native.VectorField.from_space(surface.mesh, surface.part.to_surface(np.asarray(vectors, np.float64)))
     tangent = field.to_space()
-    one = native.ParameterizedField(surface, np.zeros(1), np.asarray(field.values)[None])
+    one = native.ParameterizedField(surface.mesh, np.zeros(1), np.asarray(field.values)[None])
     stream = yield from result_of(native.start_stream_functions(one), 0.0, "Finding the stream function")
     attributes = {
         fields.ORIENTATION: tangent,
         fields.ADVECTION: tangent,
         fields.SPEED: np.linalg.norm(tangent, axis=1),
         fields.STREAM: stream[0],
-        fields.ROTATION: rotation(surface, tangent),
+        fields.ROTATION: surface.rotation.of(tangent),
     }
-    return {name: np.asarray(values, np.float32) for name, values in attributes.items()}
+    return {name: np.asarray(surface.part.to_mesh(values), np.float32) for name, values in attributes.items()}

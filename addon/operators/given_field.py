@@ -11,6 +11,7 @@ from .. import native
 from ..bake.given import GivenField, given_steps
 from ..cache.fields import native_mesh
 from ..model.errors import InputError
+from ..model.manifold import manifold
 from ..scene.read import folders
 from ..scene.read.attribute_field import at_rest, candidates, names_of, read_vectors
 from ..scene.read.mesh import read_mesh, read_polygons
@@ -165,11 +166,12 @@ def _check(mesh, vectors, name: str, where: str) -> str:
     largest = max(float(np.abs(values).max()) for values in vectors)
     if largest == 0.0:
         raise InputError(f"'{name}' of {where} is zero everywhere; choose another attribute")
-    surface = native_mesh(mesh)
+    surface = manifold(mesh)
     values = max(vectors, key=lambda one: float(np.abs(one).max())).astype(np.float64)
+    values = surface.to_surface(values)
     length = np.linalg.norm(values, axis=1)
     there = length > 1e-6 * length.max()
-    tangent = native.VectorField.from_space(surface, values).to_space()
+    tangent = native.VectorField.from_space(native_mesh(surface.mesh), values).to_space()
     share = float(np.median(np.linalg.norm(tangent, axis=1)[there] / length[there]))
     if share < NORMAL:
         raise InputError(f"'{name}' of {where} is normal to the surface nearly everywhere: normals, not a field")

@@ -150,3 +150,18 @@ def test_a_mesh_that_modifiers_subdivide_gives_the_vectors_of_its_own(native, pl
     assert bpy.ops.stormfield.field_from_attribute(attribute="velocity") == {"FINISHED"}
     plain.modifiers["Subdivision"].show_viewport = False
     assert np.abs(shown(plain) - along(plain, np.cross(AXIS, points_of(plain.data)))).max() < 1e-4
+
+
+def test_a_mesh_that_is_no_surface_has_a_field_where_it_is_one(native):
+    """A fin on a grid: three faces meet at an edge, which the solve takes apart too."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4, size=2.0)
+    obj = bpy.context.object
+    places = points_of(obj.data)
+    faces = [tuple(polygon.vertices) for polygon in obj.data.polygons]
+    edge = faces[5][:2]
+    fin = [*places.tolist(), (0.0, 0.0, 1.0)]
+    obj.data.clear_geometry()
+    obj.data.from_pydata(fin, [], [*faces, (*edge, len(places))])
+    put(obj.data, "velocity", np.tile([1.0, 0.5, 0.0], (len(fin), 1)))
+    assert bpy.ops.stormfield.field_from_attribute(attribute="velocity") == {"FINISHED"}
+    assert np.isfinite(shown(obj)).all() and np.linalg.norm(shown(obj), axis=1).max() > 0.9
