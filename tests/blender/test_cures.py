@@ -124,7 +124,7 @@ def test_a_radius_below_the_edges_is_said_before_solving(ball):
     from stormfield.session import coarse_mesh
 
     edge = coarse_mesh.mean_edge(ball.data)
-    assert 0.05 < edge < 0.1
+    assert edge == pytest.approx(0.15, abs=0.01)
     empty = bpy.data.objects.new("Eye", None)
     bpy.context.scene.collection.objects.link(empty)
     element = add_element(ball, empty, type="singular", radius=0.5 * edge)
