@@ -25,6 +25,17 @@ def fcurves(owner: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
                 yield from bag.fcurves
 
 
+def all_fcurves(action: bpy.types.Action) -> Iterator[bpy.types.FCurve]:
+    """The F-curves of an action, of all its slots."""
+    if not hasattr(action, "layers") or not getattr(action, "is_action_layered", True):
+        yield from action.fcurves
+        return
+    for layer in action.layers:
+        for strip in layer.strips:
+            for bag in strip.channelbags:
+                yield from bag.fcurves
+
+
 def find_fcurve(owner: bpy.types.ID, data_path: str) -> bpy.types.FCurve | None:
     return next((curve for curve in fcurves(owner) if curve.data_path == data_path), None)
 

@@ -59,7 +59,7 @@ def part_copied_objects(*_):
 
 @persistent
 def keep_lambda_without_addon(*_):
-    mirror.mirror_all()
+    saves.keep_lambda(mirror.mirror_all(bpy.context))
 
 
 @persistent

@@ -79,6 +79,7 @@ def _bake(bpy: ModuleType, obj: Object, wanted: frozenset[TargetName], chunk: Ch
     from ..bake.job import check_task
     from ..scene.read.bake_task import read_bake_task
     from ..scene.read.design import read_design
+    from ..scene.read.lambda_source import why_sampled
     from ..scene.write import attach
 
     task = replace(
@@ -89,6 +90,9 @@ def _bake(bpy: ModuleType, obj: Object, wanted: frozenset[TargetName], chunk: Ch
         verify=chunk.verify,
     )
     check_task(task)
+    why = why_sampled(obj)
+    if why:
+        click.echo(f"note: λ of '{obj.name}' comes from {why}; it was read at each frame", err=True)
     mesh, design = read_design(bpy.context, obj)
     folder = _joined_field(obj, mesh, design) if chunk.join else _solved_field(obj, mesh, design)
     attach.show_solved(obj, folder)

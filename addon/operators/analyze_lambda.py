@@ -7,7 +7,7 @@ from ..analysis.steps import tracking_steps
 from ..scene.read.active_field import active_field
 from ..scene.read.attached import LAMBDA, attached_folder
 from ..scene.read.current_field import cache_of
-from ..scene.read.lambda_keys import is_keyed
+from ..scene.read.lambda_source import varies
 from ..scene.read.mesh import read_mesh
 from ..scene.write import analysis_objects, timeline
 from .analyze import AnalysisOperator
@@ -46,13 +46,13 @@ class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
         weak = obj.stormfield.analysis.history.weak()
         if weak:
             report += f"; {weak} weak ones are hidden, see Detail"
-        if events and not is_keyed(obj):
+        if events and not varies(obj):
             report += "; key λ to get markers"
         self.report({"INFO"}, report)
 
 
 class STORMFIELD_OT_update_markers(FieldOperator, bpy.types.Operator):
-    """Put the timeline markers of bifurcations where the keys of λ are now; your own markers stay"""
+    """Put the timeline markers of bifurcations where λ passes them now; your own markers stay"""
 
     bl_idname = "stormfield.update_markers"
     bl_label = "Update Timeline Markers"
@@ -66,7 +66,7 @@ class STORMFIELD_OT_update_markers(FieldOperator, bpy.types.Operator):
         if not obj.stormfield.analysis.history.made:
             cls.poll_message_set("Analyze over λ first")
             return False
-        if not is_keyed(obj):
+        if not varies(obj):
             cls.poll_message_set("Key λ first: markers need a λ for each frame")
             return False
         return True

@@ -7,6 +7,7 @@ from bpy.props import BoolProperty
 from .. import compat
 from ..scene.read import user_preferences
 from ..scene.read.active_field import active_field
+from ..scene.read.lambda_source import driver_of
 from ..scene.write import analysis_objects, attach, timeline
 from ..scene.write.lambda_keys import key_lambda_over_scene
 from .shared import FieldOperator
@@ -80,6 +81,15 @@ class STORMFIELD_OT_key_lambda(FieldOperator, bpy.types.Operator):
     bl_idname = "stormfield.key_lambda"
     bl_label = "Key Time over Scene"
     bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if driver_of(active_field(context)) is not None:
+            cls.poll_message_set("λ has a driver, which would win over keys; delete it first (right-click on λ)")
+            return False
+        return True
 
     def execute(self, context):
         key_lambda_over_scene(context.scene, active_field(context))

@@ -11,7 +11,7 @@ from ..model.errors import InputError
 from ..scene.nodes import growth
 from ..scene.read.attached import LAMBDA, attached_folder
 from ..scene.read.current_field import cache_of, read_current, surface_in
-from ..scene.read.lambda_keys import lambda_at_frames
+from ..scene.read.lambda_seen import lambda_at_frames
 from ..scene.read.mesh import read_mesh
 from ..scene.write.curve_objects import make_curves
 from ..shading.flow_lines import flow_lines
@@ -106,7 +106,7 @@ class STORMFIELD_OT_pathlines(AnalysisOperator, bpy.types.Operator):
         settings = Settings(
             kind=self.kind,
             frames=frames,
-            lambdas=lambda_at_frames(obj, frames),
+            lambdas=lambda_at_frames(context, obj, frames),
             frames_per_second=scene.render.fps / scene.render.fps_base,
             speed=self.speed,
             lam=lam,

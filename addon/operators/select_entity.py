@@ -7,7 +7,8 @@ from mathutils import Vector
 
 from ..properties.analysis import LISTS
 from ..scene.read.active_field import active_field
-from ..scene.read.lambda_keys import is_keyed, passages
+from ..scene.read.lambda_seen import passages
+from ..scene.read.lambda_source import varies
 from ..scene.read.results import EVENT_KINDS
 from ..scene.write import selection
 from .shared import FieldOperator
@@ -70,9 +71,9 @@ class STORMFIELD_OT_go_to_entity(FieldOperator, bpy.types.Operator):
                 return None
         else:
             lam = analysis.list(analysis.shown).lam
-        places = passages(obj, [lam])[0]
+        places = passages(context, obj, [lam])[0]
         if not places:
-            if not is_keyed(obj):
+            if not varies(obj):
                 obj.stormfield.lam = lam
             return None
         return min((frame for frame, _forward in places), key=lambda frame: abs(frame - context.scene.frame_current))

@@ -61,7 +61,7 @@ def _selected(self, _context) -> None:
 
 def _filtered(self, _context) -> None:
     if self.path_from_id().endswith("history"):
-        timeline.update_markers(self.id_data)
+        timeline.filter_markers(self.id_data)
 
 
 def _detail_changed(self, _context) -> None:
@@ -158,6 +158,7 @@ class AnalysisProperties(bpy.types.PropertyGroup):
     ecg_tree: PointerProperty(type=bpy.types.NodeTree, name="ECG", description="Entity connection graph")
     mcg_tree: PointerProperty(type=bpy.types.NodeTree, name="MCG", description="Morse connection graph")
     markers: StringProperty(name="Markers", description="Timeline markers that belong to this analysis")
+    passages: StringProperty(name="Passages", description="Frames at which λ passes each bifurcation")
     persistence: FloatProperty(
         name="Persistence",
         description="Analyze over λ takes out paths that live through less of λ than this fraction: pairs that appear "

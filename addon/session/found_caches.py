@@ -9,6 +9,7 @@ import bpy
 
 from ..model.errors import InputError
 from ..scene.read.finished_caches import are_any, not_shown, read_finished
+from ..scene.read.lambda_source import why_sampled
 
 #: Seconds after a file was loaded until its caches are looked for: its window appears first.
 DELAY = 0.5
@@ -27,6 +28,8 @@ def look() -> None:
     """Looks for the caches of every field of the scene."""
     for obj in bpy.context.scene.objects:
         if obj.type == "MESH" and obj.stormfield.enabled and obj.mode != "EDIT" and are_any(obj):
+            if why_sampled(obj):  # looking would go through the frames of a scene that was just opened
+                continue
             try:
                 _offered[obj.session_uid] = not_shown(obj, read_finished(bpy.context, obj))
             except InputError:  # Solve says what is wrong

@@ -6,8 +6,10 @@ import sys
 import bpy
 
 from ..scene.write.cache_folders import Saving
+from ..scene.write.mirror import Mirrored
 
 _saving: Saving | None = None
+_mirrored: Mirrored | None = None
 _refused: tuple[str, ...] = ()
 
 
@@ -21,10 +23,20 @@ def begin(saving: Saving) -> None:
         bpy.app.timers.register(_tell, first_interval=0.1)
 
 
+def keep_lambda(mirrored: Mirrored) -> None:
+    """The file is about to be written, and plays its λ without the add-on."""
+    global _mirrored
+    _mirrored = mirrored
+    for remark in mirrored.remarks:
+        print(f"stormfield: {remark}")
+
+
 def end() -> None:
     """The file that was written is the open one now."""
-    global _saving
-    _saving = None
+    global _saving, _mirrored
+    if _mirrored is not None:
+        _mirrored.undo()
+    _saving = _mirrored = None
 
 
 def end_as_copy() -> None:
@@ -40,8 +52,8 @@ def refused() -> tuple[str, ...]:
 
 
 def forget() -> None:
-    global _refused
-    end()
+    global _saving, _mirrored, _refused
+    _saving = _mirrored = None
     _refused = ()
 
 

@@ -17,7 +17,8 @@ from ..model.design import Element
 from ..model.meetings import Meeting, meetings
 from ..scene.read import freshness as reading
 from ..scene.read.element_lines import element_lines
-from ..scene.read.lambda_keys import passages
+from ..scene.read.lambda_seen import passages
+from ..scene.read.lambda_source import plain_keys
 from ..session import freshness
 from . import drawing_cache, palette
 from . import element_shapes as shapes
@@ -216,7 +217,8 @@ def _plain(found: list[Shape]) -> list[Element]:
 
 
 def _said(obj: bpy.types.Object, meeting: Meeting) -> str:
-    frames = passages(obj, [meeting.lam])[0]
+    # Drawing never goes through the frames, as λ that is not keyed would need.
+    frames = passages(bpy.context, obj, [meeting.lam])[0] if plain_keys(obj) is not None else []
     when = f", frame {frames[0][0]}" if frames else ""
     return f"{meeting.words} at λ {meeting.lam:.2f}{when}"
 

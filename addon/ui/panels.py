@@ -9,6 +9,7 @@ from ..operators import bake, elements, requirements, solve, transfer
 from ..scene.read import user_preferences
 from ..scene.read.active_field import active_field
 from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file, find_modifier
+from ..scene.read.lambda_source import why_sampled
 from ..scene.write import mesh_edits
 from ..scene.write.cache_folders import stray_folders
 from ..session import saves
@@ -54,7 +55,10 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
         column.use_property_split = False
         column.use_property_decorate = True
         column.prop(obj.stormfield, "lam", slider=True)
-        if compat.find_fcurve(obj, "stormfield.lam") is None:
+        why = why_sampled(obj)
+        if why:
+            text_lines(context, layout, f"λ comes from {why}: bakes go through the frames to read it", icon="INFO")
+        elif compat.find_fcurve(obj, "stormfield.lam") is None:
             layout.operator("stormfield.key_lambda", icon="KEY_HLT")
         if context.object == obj:
             layout.operator("stormfield.field_from_attribute", icon="SPREADSHEET")

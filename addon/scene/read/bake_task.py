@@ -8,7 +8,7 @@ import bpy
 from ...bake.task import BakeTask, ExrSettings, FlowSettings, MorseSettings, VdbSettings
 from ...model.errors import InputError
 from .folders import cache_root
-from .lambda_keys import lambda_at_frames
+from .lambda_seen import lambda_at_frames
 from .mesh import read_mesh, read_polygons
 
 
@@ -30,7 +30,7 @@ def read_bake_task(context: bpy.types.Context, obj: bpy.types.Object, cache: Pat
         cache=cache,
         mesh=read_mesh(obj),
         frames=tuple(frames),
-        lambdas=tuple(lambda_at_frames(obj, frames)),
+        lambdas=tuple(lambda_at_frames(context, obj, frames)),
         root=cache_root(obj),
         frames_per_second=scene.render.fps / scene.render.fps_base,
         targets=frozenset(target for target, on in switches.items() if on),

@@ -16,7 +16,7 @@ from ...model.design import Design, Element, SolveSettings, Vector
 from ...model.errors import InputError
 from ...model.mesh_data import MeshData
 from .curves import read_polylines, take_over_edits
-from .lambda_keys import lambda_at_frames, lambda_frames, lambda_per_second
+from .lambda_seen import lambda_at_frames, lambda_frames, lambda_per_second
 from .mesh import read_mesh
 from .places import Placed, Places
 from .seen_surface import SeenSurface
@@ -64,7 +64,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
             tolerance=settings.tolerance,
             weld=settings.weld,
             edge=settings.edge if settings.solve_on == "DENSITY" else 0.0,
-            lambda_per_second=lambda_per_second(context.scene, obj),
+            lambda_per_second=lambda_per_second(context, obj),
         ),
     )
 
@@ -76,8 +76,8 @@ def _moving_places(context, surface: SeenSurface, elements) -> Iterator[list[_Pl
     places: list[list[_Place]] = [[] for _ in elements]
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
-    frames = lambda_frames(surface.obj)
-    lams = lambda_at_frames(surface.obj, frames)
+    frames = lambda_frames(context, surface.obj)
+    lams = lambda_at_frames(context, surface.obj, frames)
     try:
         highest = -1.0
         for frame, lam in zip(frames, lams, strict=True):

@@ -88,6 +88,7 @@ class Places:
         scene = self._scene or self._new_scene()
         copy: Any = obj.copy()
         copy.hide_viewport = False
+        copy.stormfield.enabled = False  # no field of its own: it may share the caches of the other
         scene.collection.objects.link(copy)
         scene.frame_set(self._frame[0], subframe=self._frame[1])
         return copy
@@ -96,5 +97,6 @@ class Places:
         shown = self._context.scene
         self._scene = scene = bpy.data.scenes.new("Stormfield Places")
         scene.render.fps, scene.render.fps_base = shown.render.fps, shown.render.fps_base
+        scene.render.frame_map_old, scene.render.frame_map_new = shown.render.frame_map_old, shown.render.frame_map_new
         scene.frame_start, scene.frame_end = shown.frame_start, shown.frame_end
         return scene

@@ -87,6 +87,8 @@ def _attach(obj: bpy.types.Object, sort: str, folder: Path) -> None:
         obj.modifiers.move(list(obj.modifiers).index(modifier), earlier)
     if sort in OVER_LAMBDA:
         cache_files.follow_lambda(obj, cache_file)
+    else:
+        cache_files.follow_frames(cache_file, bpy.context.scene)
     mesh_edits.remember_attached(obj, modifier, folder)
     obj.update_tag()
 

@@ -9,11 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 
+from ... import compat
 from ...cache.layout import TIME_CODES_PER_LAMBDA
 from ..read.attached import NAMES, OVER_LAMBDA, SORT, file_of, find_modifier
 from ..read.cache_paths import RECORDS
 from ..read.folders import relative
+from ..read.lambda_seen import time_stretch
+from .fcurves import set_points
 
 #: Bytes of a path in Blender, without the one that ends it.
 LONGEST_PATH = 1023
@@ -47,6 +51,20 @@ def follow_lambda(obj: bpy.types.Object, cache_file: bpy.types.CacheFile) -> Non
     variable.targets[0].id = obj
     variable.targets[0].data_path = "stormfield.lam"
     driver.expression = f"lam * {TIME_CODES_PER_LAMBDA:.0f}"
+
+
+def follow_frames(cache_file: bpy.types.CacheFile, scene: bpy.types.Scene) -> None:
+    """The cache shows the scene's frame, of which Blender's time stretching makes another time."""
+    old = compat.find_fcurve(cache_file, "frame")
+    if old is not None:
+        compat.remove_fcurve(cache_file, old)
+    stretch = time_stretch(scene)
+    cache_file.override_frame = stretch != 1.0
+    if cache_file.override_frame:
+        cache_file.keyframe_insert("frame", frame=0.0)
+        curve: Any = compat.find_fcurve(cache_file, "frame")
+        set_points(curve, np.array([[0.0, 0.0], [stretch, 1.0]]))
+        curve.extrapolation = "LINEAR"
 
 
 def followed(cache_file: bpy.types.CacheFile) -> bpy.types.Object | None:

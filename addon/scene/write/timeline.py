@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bifurcations as timeline markers, at the frames where the keyframed λ passes them.
+"""Bifurcations as timeline markers, at the frames where λ passes them.
 
 Only markers that an earlier call made are replaced; the object's analysis remembers their names and frames. A marker
 that was renamed or moved belongs to the artist.
 """
 
 import json
+from collections.abc import Sequence
 
 import bpy
 
-from ..read.lambda_keys import passages
+from ..read.lambda_seen import passages
+from ..read.lambda_source import plain_keys
 from ..read.results import EVENT_KINDS
 
 _BACKWARDS = {"creation": "annihilation", "annihilation": "creation"}
@@ -29,16 +31,35 @@ def marker_name(kind: str, node: str, lam: float, forward: bool = True, words: s
 
 
 def update_markers(obj: bpy.types.Object) -> int:
-    """Markers of all bifurcations that the filters of the list let through, instead of earlier ones; their number."""
-    scene = next(iter(obj.users_scene), None)
+    """Markers of all bifurcations that the filters of the list let through, instead of earlier ones; their number. Goes
+    through the scene's frames where λ does not come from plain keys."""
+    events = _events(obj)
+    found = passages(bpy.context, obj, [item.lam for item in events])
+    obj.stormfield.analysis.passages = json.dumps(found)
+    return _make(obj, found)
+
+
+def filter_markers(obj: bpy.types.Object) -> int:
+    """The same after the filters have changed, quickly: what was found by going through the frames counts again."""
+    known = json.loads(obj.stormfield.analysis.passages or "[]")
+    if plain_keys(obj) is None and len(known) == len(_events(obj)):
+        return _make(obj, known)
+    return update_markers(obj)
+
+
+def _events(obj: bpy.types.Object) -> list:
+    return [item for item in obj.stormfield.analysis.history.items if item.kind in EVENT_KINDS]
+
+
+def _make(obj: bpy.types.Object, found: Sequence[Sequence[tuple[int, bool]]]) -> int:
+    scene = bpy.context.scene if bpy.context.scene in obj.users_scene else next(iter(obj.users_scene), None)
     if scene is None:
         return 0
     remove_markers(obj)
-    history = obj.stormfield.analysis.history
-    events = [item for item in history.items if item.kind in EVENT_KINDS]
-    events = [item for item in events if history.passes(item)]
     made = []
-    for item, places in zip(events, passages(obj, [item.lam for item in events]), strict=True):
+    for item, places in zip(_events(obj), found, strict=True):
+        if not obj.stormfield.analysis.history.passes(item):
+            continue
         for frame, forward in places:
             marker = scene.timeline_markers.new(
                 marker_name(item.kind, item.row, item.lam, forward, item.words), frame=frame
