@@ -62,7 +62,16 @@ def field_argument(command: Callable[..., None]) -> Callable[..., None]:
         ),
     ):
         chosen = option(chosen)
-    return click.argument("field", type=click.Path())(chosen)
+    return click.argument("field", nargs=-1, required=True, metavar="FIELD", callback=_one_field)(chosen)
+
+
+def _one_field(_context: click.Context, _parameter: click.Parameter, given: tuple[str, ...]) -> str:
+    """The shell replaces a pattern without quotes by the names that fit."""
+    if len(given) > 1:
+        raise InputError(
+            f"{given[0]} and {len(given) - 1} more names: give one FIELD; put a pattern in quotes, or give the folder"
+        )
+    return given[0]
 
 
 def _faces(_context: click.Context, _parameter: click.Parameter, given: str) -> int | None:

@@ -50,7 +50,7 @@ def read_series(path: str | Path, choice: Choice | None = None) -> FieldData:
 def read_mesh(path: str | Path) -> tuple[MeshData, Reading]:
     """The mesh of any of the files above, whether it carries a field or not, and what there is to choose."""
     path = Path(path)
-    if is_grid(path):
+    if _is_grid(path):
         from .grids import read_grid_mesh
 
         return read_grid_mesh(path)
@@ -76,11 +76,18 @@ def _not_a_surface(path: Path, choice: Choice) -> FieldData | None:
         from .t_file import read_t
 
         return read_t(path)
-    if is_grid(path):
+    if _is_grid(path):
         from .grids import read_grid
 
         return read_grid(path, choice)
     return None
+
+
+def _is_grid(path: Path) -> bool:
+    """Some surfaces are NetCDF files as well: their ending tells."""
+    from .vtk_files import READERS
+
+    return path.suffix.lower() not in READERS and is_grid(path)
 
 
 __all__ = [

@@ -88,6 +88,39 @@ def test_what_meshio_writes(capsys, tmp_path, ending):
     assert_right(analysis(capsys, write_mesh(path, POINTS, TRIANGLES.astype(np.int32), point_data=data, **options)))
 
 
+def vessel():
+    """A pipe with a bulge, open at both ends."""
+    rows, around = 61, 48
+    z, turn = np.meshgrid(np.linspace(-3, 3, rows), np.arange(around) * 2 * np.pi / around, indexing="ij")
+    radius = 1 + 0.4 * np.exp(-(z**2))
+    points = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=-1).reshape(-1, 3)
+    first, j = np.arange(rows - 1)[:, None] * around, np.arange(around)
+    after = (j + 1) % around
+    quads = np.stack([first + j, first + after, first + around + after, first + around + j], axis=-1).reshape(-1, 4)
+    return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+
+
+def shear(points):
+    """Along the pipe, zero at its ends, with a source and a sink on the bulge."""
+    field = np.zeros_like(points)
+    field[:, 2] = 1.0
+    for place, strength in (([1.4, 0, 0], 5.0), ([-1.4, 0, 0.3], -5.0)):
+        away = points - place
+        field += strength * away * np.exp(-4 * (away**2).sum(axis=1, keepdims=True))
+    return field * (1 - (points[:, [2]] / 3) ** 8)
+
+
+@pytest.mark.parametrize("where", ["points", "cells"])
+def test_wall_shear_of_a_vessel(capsys, tmp_path, where):
+    points, triangles = vessel()
+    places = points if where == "points" else points[triangles].mean(axis=1)
+    data = {"WSS": shear(places)}
+    options = {"point_data": data} if where == "points" else {"cell_data": data, "point_data": {"Normals": points}}
+    content = analysis(capsys, write_mesh(tmp_path / "wall.vtu", points, triangles, **options), "--vector", "WSS")
+    assert kinds(content) == {"source": 1, "sink": 1, "saddle": 2}
+    assert content["index_sum"] == content["mesh"]["euler_characteristic"] == 0
+
+
 @pytest.mark.parametrize("ending", ["vtu", "vtk", "vtp"])
 def test_vectors_of_cells_are_averaged_to_points_and_said(capsys, tmp_path, ending):
     """The field is of the cells, tangent to them; normals at points beside it are not taken."""

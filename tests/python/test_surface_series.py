@@ -96,6 +96,11 @@ def with_cells(time):
     return grid(POINTS, TRIANGLES, [5] * len(TRIANGLES), {"WSS": flow(POINTS, time / 160)})
 
 
+def test_a_pattern_that_the_shell_replaces_is_told_to_be_quoted(capsys, tmp_path):
+    line = refused(capsys, "track", *files(tmp_path), "--json", "-")
+    assert "wall_0000.vtp and 5 more names: give one FIELD; put a pattern in quotes" in line
+
+
 def test_one_numbered_file_is_one_time_to_analyze(capsys, tmp_path):
     paths = files(tmp_path)
     status, out, _ = run(capsys, "analyze", paths[3], "--json", "-")
