@@ -11,9 +11,9 @@ __version__ = version.VERSION
 
 def _modules():
     """The parts with something to register, in the order of their dependence."""
-    from . import command, handlers, manual, operators, preferences, properties, ui
+    from . import assets, command, handlers, manual, operators, preferences, properties, ui
 
-    return (properties, operators, ui, manual, handlers, preferences, command)
+    return (properties, operators, ui, manual, handlers, preferences, command, assets)
 
 
 def register() -> None:

@@ -10,6 +10,7 @@ The zips are made and checked by Blender's own tool blender_ext.py, which ships 
 """
 
 import argparse
+import os
 import shutil
 import subprocess
 import sys
@@ -70,6 +71,7 @@ def build_one(platform: str, cores: list[Path], output: Path, tool: Path) -> Pat
         shutil.copytree(ADDON, source, ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copy(ROOT / "LICENSE", source)
         shutil.copytree(ROOT / "licenses", source / "licenses")
+        add_assets(source)
         (source / "wheels").mkdir()
         bundled = {Path(shutil.copy(wheel, source / "wheels")) for wheel in cores}
         bundled |= set(library_wheels(platform, source / "wheels"))
@@ -79,6 +81,16 @@ def build_one(platform: str, cores: list[Path], output: Path, tool: Path) -> Pat
         built = next(Path(temporary).glob("*.zip"))
         run(tool, "validate", str(built))
         return Path(shutil.copy(built, output))
+
+
+def add_assets(source: Path) -> None:
+    """The asset library, made by the oldest Blender that is here: newer ones read its files, but not the reverse."""
+    oldest = ROOT / ".venv-4.5" / "bin" / "python"
+    python = str(oldest) if oldest.exists() else sys.executable
+    environment = {**os.environ, "PYTHONPATH": str(source.parent)}
+    run_quietly([python, str(ROOT / "scripts" / "build_assets.py"), str(source / "assets")], environment)
+    for leftover in source.rglob("__pycache__"):
+        shutil.rmtree(leftover)
 
 
 def library_wheels(platform: str, folder: Path) -> list[Path]:
@@ -121,9 +133,9 @@ def run(tool: Path, *arguments: str) -> None:
     run_quietly([sys.executable, str(tool), *arguments])
 
 
-def run_quietly(command: list[str]) -> None:
+def run_quietly(command: list[str], environment: dict[str, str] | None = None) -> None:
     """Run a command and say what it said only when it failed."""
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     if done.returncode:
         sys.exit(done.stdout + done.stderr)
 

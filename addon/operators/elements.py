@@ -23,6 +23,8 @@ PRESETS: dict[str, tuple[str, str, dict[str, object]]] = {
     "PARTICLE": ("Particle Path", "A particle travels along the curve in the time of the design", {"type": "pathline"}),
     "WIND": ("Wind", "The flow has the direction of the curve there", {"type": "regular"}),
 }
+#: Custom property of an object that says which preset it stands for, as those of the asset library have it.
+PRESET_MARK = "stormfield_preset"
 PRESET_ITEMS = tuple((key, label, text) for key, (label, text, _settings) in PRESETS.items())
 
 
@@ -61,13 +63,14 @@ class STORMFIELD_OT_add_elements(FieldOperator, bpy.types.Operator):
         sources = _selected_sources(context)
         for source in sources:
             point = source.type == "EMPTY"
-            add_element(
-                obj,
-                source,
-                kind=self.kind,
-                type="singular" if point and self.type != "regular" else self.type,
-                from_animation=point and is_animated(source) and not _moves_with(source, obj),
-            )
+            settings: dict[str, object] = {
+                "kind": self.kind,
+                "type": "singular" if point and self.type != "regular" else self.type,
+                "from_animation": point and is_animated(source) and not _moves_with(source, obj),
+            }
+            if source.get(PRESET_MARK) in PRESETS:  # from the asset library: it says itself what it is
+                settings |= PRESETS[source[PRESET_MARK]][2]
+            add_element(obj, source, **settings)
         self.report({"INFO"}, f"Added {len(sources)} element{'s' if len(sources) != 1 else ''} to '{obj.name}'")
         return {"FINISHED"}
 

@@ -50,6 +50,7 @@ def test_the_zip_holds_the_addon_and_as_wheels_the_core_and_libraries(extension,
     packed = zipfile.ZipFile(extension)
     names = packed.namelist()
     wanted = {"blender_manifest.toml", "__init__.py", "operators/solve.py", "model/design.schema.json", "cli/bake.py"}
+    wanted |= {"assets/stormfield.blend", "assets/blender_assets.cats.txt", "ui/preset_pictures/cyclone.png"}
     assert wanted <= set(names)
     wheels = sorted(name.removeprefix("wheels/").split("-")[0] for name in names if name.endswith(".whl"))
     libraries = [library.split("==")[0].replace("-", "_") for library in build_extension_libraries()]

@@ -39,7 +39,7 @@ _SCENE = [*_DATA, "scene/read", "scene/nodes", "scene/write"]
 _STATE = [*_SCENE, "session", "properties", "shading", "presets"]
 _ALL = [
     *[*_STATE, "operators", "ui", "handlers", "manual", "preferences"],
-    *["figures", "readers", "cli", "command"],
+    *["figures", "readers", "cli", "command", "assets"],
 ]
 ADDON = {
     "model": [],
@@ -67,6 +67,7 @@ ADDON = {
     "handlers": [*_STATE, "operators", "ui"],
     "manual": [*_SCENE, "session", "properties"],
     "preferences": [*_STATE, "operators"],
+    "assets": [],
     "cli": [*_SCENE, "figures", "readers"],
     "command": [*_SCENE, "figures", "readers", "cli"],
     "__init__": [*_ALL],
