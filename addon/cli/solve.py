@@ -40,8 +40,10 @@ def solve(design: str, out: str, resume: bool, report: str | None) -> None:
         folder = run(solve_steps(mesh, elements, Path(out), folder=Path(out), resume=resume), show)
     if report:
         from ..cache.field_cache import open_cache
+        from ..model.manifold import manifold
 
-        surface = native.TriangleMesh(mesh.vertices, mesh.triangles)
+        taken = manifold(mesh, elements.settings.weld).mesh
+        surface = native.TriangleMesh(taken.vertices, taken.triangles)
         content = {
             "mesh": describe_mesh(surface),
             "lam": [float(lam) for lam in open_cache(folder).lambdas],

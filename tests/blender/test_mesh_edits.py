@@ -307,3 +307,23 @@ def test_a_transferred_field_can_be_baked(solved, seen, scene):
     bpy.ops.stormfield.transfer_field()
     scene.frame_end = 2
     assert bpy.ops.stormfield.bake() == {"FINISHED"}
+
+
+def test_a_script_that_edits_and_renders_renders_the_edit(solved, scene, tmp_path):
+    """Seen from above, the ball covers a small part of the picture, and a large square over it covers all."""
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(camera)
+    camera.location, scene.camera = (0, 0, 20), camera
+    scene.render.engine, scene.cycles.samples, scene.render.film_transparent = "CYCLES", 1, True
+    scene.render.resolution_x = scene.render.resolution_y = 16
+    scene.render.filepath = str(tmp_path / "edit.png")
+    bpy.context.view_layer.update()
+    mesh = bmesh.new()
+    mesh.from_mesh(solved.data)
+    mesh.faces.new([mesh.verts.new((20 * x, 20 * y, 3)) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+    mesh.to_mesh(solved.data)
+    mesh.free()
+    bpy.ops.render.render(write_still=True)
+    picture = bpy.data.images.load(scene.render.filepath)
+    alpha = np.array(picture.pixels[:]).reshape(-1, 4)[:, 3]
+    assert alpha.min() > 0.5

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A design on meshes that are no surfaces: the field lives on what is one, and is told in one line."""
 
+import json
+
 import numpy as np
 import pytest
+from command_line import run as run_command
 from stormfield.bake.lambda_cache import solve_steps
 from stormfield.cache.field_cache import open_cache
 from stormfield.model.design import Design, Element, SolveSettings
@@ -72,3 +75,14 @@ def test_a_cache_of_a_mesh_with_faults_has_a_vector_at_every_vertex(tmp_path):
     assert {len(values) for values in sample.values()} == {len(points)}
     assert np.isfinite(sample["sf_advection"]).all()
     assert not sample["sf_advection"][-1].any()  # a vertex without faces
+
+
+def test_the_command_line_reports_the_surface_that_was_solved(tmp_path, capsys):
+    points, triangles = grid()
+    triangles = np.concatenate([triangles, [(0, 0, 1), triangles[0]]])
+    source = {"vertices": points.tolist(), "triangles": triangles.tolist()}
+    design, report = tmp_path / "design.json", tmp_path / "report.json"
+    design.write_text(json.dumps(eye((2.0, 2.0, 0.0)).to_json(source)))
+    status, _out, _err = run_command(capsys, "solve", design, "--out", tmp_path / "cache", "--json", report)
+    assert status == 0
+    assert json.loads(report.read_text())["mesh"]["faces"] == 32
