@@ -8,6 +8,8 @@
 The places follow from the surface alone: they stay while λ, the view and the density change.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from .surface import Surface
@@ -18,11 +20,13 @@ COARSEST, FINER = 0.25, 2.0**-0.5
 #: that close places are seldom parted by all of them; and how often holes are filled.
 CELL, GRIDS, ROUNDS = 0.9, 5, 3
 #: Candidates for each square of a level's distance, at most; and slots of the table of cells for each candidate.
-TRIED, MOST, SLOTS = 8.0, 400_000, 8
+TRIED, MOST, SLOTS = 8.0, 200_000, 8
+#: Edge of the cubes in which finer levels are added, over their distance.
+BLOCK = 24.0
 
 
 class SeedLevels:
-    """k places, the coarsest level first; finer levels are appended."""
+    """k places, the coarsest level first; finer ones are appended, of all of the surface, then where a view is near."""
 
     def __init__(self, surface: Surface) -> None:
         self.surface = surface
@@ -30,12 +34,13 @@ class SeedLevels:
         self.barycentric = np.zeros((0, 3))  #: (k, 3) float64
         self.positions = np.zeros((0, 3))  #: (k, 3) float64, on the surface
         self.normals = np.zeros((0, 3))  #: (k, 3) float64, unit
-        self.spacing = np.zeros(0)  #: (k,) mesh units, decreasing
+        self.spacing = np.zeros(0)  #: (k,) mesh units, decreasing while the whole surface is refined
         self._candidates = np.zeros(0, np.int64)  #: (k,) which candidates they were
         extent = np.ptp(surface.vertices, axis=0).max() if len(surface.vertices) else 0.0
         areas = 0.5 * np.linalg.norm(surface.area_vectors, axis=1)
         self._area = float(areas.sum())
         self._shares = np.cumsum(areas) / self._area if self._area > 0 else areas
+        self._blocks: set[tuple] = set()  #: distance and cube of what was refined by itself
         self._next = COARSEST * float(extent)
 
     def __len__(self) -> int:
@@ -43,36 +48,87 @@ class SeedLevels:
 
     def refine(self, finest: float) -> None:
         """Add the levels down to the first whose distance is at most `finest` (mesh units)."""
-        while self._area > 0 and self._next > 0 and (not len(self) or self.spacing[-1] > finest):
+        while self._area > 0 and self._next > 0 and (not len(self) or self._next / FINER > finest):
             tried = int(TRIED * self._area / self._next**2) + 64
             if tried > MOST:
                 return
             self._add_level(tried)
             self._next *= FINER
 
+    def refine_near(self, near: np.ndarray, finest: np.ndarray) -> None:
+        """Finer levels than all of a surface has room for, in blocks around some places only.
+
+        near: (k,) numbers of places; finest: (k,) distance that is wanted around each, mesh units."""
+        distance = self._next
+        while len(near) and distance > 0 and (finest < distance / FINER).any():
+            wanted = near[finest < distance / FINER]
+            edge = max(BLOCK * distance, 2.0 * self._face_size)  # a triangle belongs to one cube
+            for block in np.unique(np.floor(self.positions[wanted] / edge).astype(np.int64), axis=0):
+                key = (distance, *block.tolist())
+                if key not in self._blocks:
+                    self._blocks.add(key)
+                    self._add_block(distance, block * edge, edge)
+            distance *= FINER
+
+    def _add_block(self, distance: float, low: np.ndarray, edge: float) -> None:
+        """One level in a cube. What lies around it keeps its distance too."""
+        inside = np.flatnonzero(((self._middles >= low) & (self._middles < low + edge)).all(axis=1))
+        shares = np.cumsum(np.linalg.norm(self.surface.area_vectors[inside], axis=1)) * 0.5
+        if not len(shares) or shares[-1] <= 0:
+            return
+        tried = int(TRIED * shares[-1] / distance**2) + 8
+        if tried > MOST:
+            return
+        index, barycentric = _sequence(np.arange(tried), shares / shares[-1])
+        faces = inside[index].astype(np.int32)
+        corners = self.surface.vertices[self.surface.triangles[faces]]
+        positions = np.einsum("kc,kcd->kd", barycentric, corners)
+        around = ((self.positions >= low - distance) & (self.positions < low + edge + distance)).all(axis=1)
+        known = self.positions[around]
+        fresh = _fill(np.concatenate([positions, known]), tried, tried + np.arange(len(known)), distance)
+        self._append(faces, barycentric, positions, fresh, distance)
+
+    @cached_property
+    def _face_size(self) -> float:
+        """Mesh units: side of a square as large as a mean triangle."""
+        return float(np.sqrt(self._area / max(len(self.surface.triangles), 1)))
+
+    @cached_property
+    def _middles(self) -> np.ndarray:
+        """(m, 3) of the triangles."""
+        return self.surface.vertices[self.surface.triangles].mean(axis=1)
+
     def _add_level(self, tried: int) -> None:
         count = max(tried, int(self._candidates.max(initial=-1)) + 1)
         faces, barycentric, positions = self._places(np.arange(count))
         fresh = _fill(positions, tried, self._candidates, self._next)
+        self._candidates = np.concatenate([self._candidates, fresh])
+        self._append(faces, barycentric, positions, fresh, self._next)
+
+    def _append(self, faces, barycentric, positions, fresh: np.ndarray, distance: float) -> None:
         vertices = self.surface.triangles[faces[fresh]]
         normals = np.einsum("kc,kcd->kd", barycentric[fresh], self.surface.normals[vertices])
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-        self._candidates = np.concatenate([self._candidates, fresh])
         self.faces = np.concatenate([self.faces, faces[fresh]])
         self.barycentric = np.concatenate([self.barycentric, barycentric[fresh]])
         self.positions = np.concatenate([self.positions, positions[fresh]])
         self.normals = np.concatenate([self.normals, normals])
-        self.spacing = np.concatenate([self.spacing, np.full(len(fresh), self._next)])
+        self.spacing = np.concatenate([self.spacing, np.full(len(fresh), distance)])
 
     def _places(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Faces, barycentric coordinates and positions of a low-discrepancy sequence by area."""
-        steps = (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)
-        along, u, v = ((0.5 + index * step) % 1.0 for step in steps)
-        faces = np.searchsorted(self._shares, along).clip(max=len(self._shares) - 1).astype(np.int32)
-        root = np.sqrt(u)
-        barycentric = np.stack([1 - root, root * (1 - v), root * v], axis=1)
+        faces, barycentric = _sequence(index, self._shares)
         corners = self.surface.vertices[self.surface.triangles[faces]]
         return faces, barycentric, np.einsum("kc,kcd->kd", barycentric, corners)
+
+
+def _sequence(index: np.ndarray, shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Faces (k,) int32 and barycentric coordinates (k, 3). shares: (m,) of the area, added up."""
+    steps = (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)
+    along, u, v = ((0.5 + index * step) % 1.0 for step in steps)
+    root = np.sqrt(u)
+    faces = np.searchsorted(shares, along).clip(max=len(shares) - 1).astype(np.int32)
+    return faces, np.stack([1 - root, root * (1 - v), root * v], axis=1)
 
 
 def _fill(positions: np.ndarray, tried: int, chosen: np.ndarray, distance: float) -> np.ndarray:

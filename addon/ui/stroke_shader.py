@@ -48,22 +48,23 @@ void main()
   vec4 middle = projection * vec4(texel((POINTS - 1) / 2).xyz, 1.0);
   float pixels = view.z / max(middle.w, 1e-9);  /* of one mesh unit */
   float room = smoothstep(0.95, 1.15, about.y * pixels / look.x) * step(1e-6, about.x) * step(1e-9, middle.w);
-  float share = clamp(look.y / max(about.z * pixels, 1e-9), 0.0, 1.0);  /* of the traced length */
+  float size = room > 0.0 ? mix(0.5, 1.0, room) : 0.0;  /* strokes that join grow from half their size */
+  float share = clamp(look.y / max(about.z * pixels, 1e-9), 0.0, 1.0) * size;  /* of the traced length */
   float t = 0.5 + (clamp(along, 0.0, 1.0) - 0.5) * share;
   vec4 clip = projection * vec4(place(t), 1.0);
   vec4 ahead = projection * vec4(place(t + 0.04), 1.0), behind = projection * vec4(place(t - 0.04), 1.0);
   vec2 direction = screen(ahead) - screen(behind);
-  float size = length(direction);
-  direction = size > 1e-4 ? direction / size : vec2(1.0, 0.0);
-  float border = (look.w > 0.5 ? 3.2 : 1.0) * look.z * room + moving.z + 1.0;
+  float far = length(direction);
+  direction = far > 1e-4 ? direction / far : vec2(1.0, 0.0);
+  float border = (look.w > 0.5 ? 3.2 : 1.0) * look.z * size + moving.z + 1.0;
   float beyond = along < 0.0 ? -border : along > 1.0 ? border : 0.0;
   vec2 offset = direction * beyond + vec2(-direction.y, direction.x) * side * border;
   clip.xy += offset / (0.5 * view.xy) * clip.w;
-  gl_Position = room > 0.01 ? clip : vec4(2.0, 2.0, 2.0, 1.0);
+  gl_Position = size > 0.0 ? clip : vec4(2.0, 2.0, 2.0, 1.0);
   float total = max(length(screen(projection * vec4(place(0.5 + 0.5 * share), 1.0))
                            - screen(projection * vec4(place(0.5 - 0.5 * share), 1.0))), 1.0);
   reach = vec2(clamp(along, 0.0, 1.0) * total + beyond, side * border);
-  stroke = vec4(total, about.x, room, about.w);
+  stroke = vec4(total, about.x, size, about.w);
 }
 """
 
@@ -89,9 +90,9 @@ void main()
   }
   width *= stroke.z;
   float inner = clamp(width - d + 0.5, 0.0, 1.0);
-  float outer = clamp(width + moving.z * stroke.z - d + 0.5, 0.0, 1.0);
+  float outer = clamp(width + moving.z - d + 0.5, 0.0, 1.0);
   if (outer <= 0.0) discard;
-  fragColor = framebuffer_colour(mix(vec3(RIM), core, inner), outer * moving.w * stroke.z);
+  fragColor = framebuffer_colour(mix(vec3(RIM), core, inner), outer * moving.w);
 }
 """
 

@@ -81,6 +81,11 @@ class ViewStrokes:
             if inside.any():
                 self.seeds.refine(JOINS * spacing / float(pixels.max()))
         pixels, inside = view.pixels_per_unit(self.seeds.positions)
+        near = np.flatnonzero(inside)
+        if self.closed:
+            near = near[view.facing(self.seeds.positions[near], self.seeds.normals[near]) > HORIZON]
+        self.seeds.refine_near(near, JOINS * spacing / pixels[near])
+        pixels, inside = view.pixels_per_unit(self.seeds.positions)
         shown = inside & (self.seeds.spacing * pixels >= JOINS * spacing)
         chosen = np.flatnonzero(shown)
         if self.closed:

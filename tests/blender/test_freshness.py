@@ -102,6 +102,20 @@ def test_undo_brings_field_and_knowledge_back_together(solved):
     assert reason(bpy.data.objects[name]) == ""
 
 
+def test_what_another_version_read_is_unknown_and_not_out_of_date(solved):
+    import json
+
+    from stormfield.session import freshness
+
+    known = json.loads(solved.stormfield.solve.solved)
+    solved.stormfield.elements[0].strength = 0.5
+    assert reason(solved)
+    freshness.keep(solved, {**known, "names": "of an older version"})
+    assert reason(solved) == ""
+    freshness.keep(solved, {name: value for name, value in known.items() if name != "names"})
+    assert reason(solved) == ""
+
+
 def test_the_view_says_one_reason_and_counts_the_others(solved):
     from stormfield.ui import out_of_date
 

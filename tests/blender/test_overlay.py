@@ -139,11 +139,11 @@ def test_strokes_keep_their_distance_on_screen_and_their_places_while_zooming(su
 
     view = ViewStrokes(surface, native.TriangleMesh(surface.vertices, surface.triangles), seeds)
     numbers, places = [], []
-    for distance in (6.0, 3.5, 2.2):
+    for distance in (6.0, 3.5, 2.2, 1.3, 1.05):
         view._choose(seen(distance), spacing=20.0, length=2.0)
         clip = np.c_[seeds.positions[view.chosen], np.ones(len(view.chosen))] @ seen(distance).projection.T
         pixels = 0.5 * clip[:, :2] / clip[:, 3:] * (800.0, 600.0)
-        front = -seeds.positions[view.chosen][:, 1] > 0.8
+        front = -seeds.positions[view.chosen][:, 1] > (0.8 if distance > 2.0 else 0.98)
         away = np.linalg.norm(pixels[front][:, None] - pixels[front][None], axis=2)
         np.fill_diagonal(away, np.inf)
         numbers.append(np.median(away.min(axis=1)))

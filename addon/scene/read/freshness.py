@@ -20,6 +20,8 @@ from mathutils import Matrix
 from ... import compat
 from ...model.words import Json
 
+#: Form of what is read; another number makes earlier readings unknown.
+FORM = 1
 #: Settings that change no field.
 IDLE = frozenset({"rna_type", "name", "enabled", "solved", "keep_solver"})
 MESH_CHANGED = "the mesh was changed"
@@ -30,6 +32,7 @@ SAME_PLACE = 1e-5
 def read(obj: bpy.types.Object, mesh: str | None = None) -> dict[str, Json]:
     """mesh, settings: digests; elements: one entry for each that is turned on. mesh: its digest where it is known."""
     return {
+        "names": names_digest(obj),
         "mesh": mesh or mesh_digest(obj.data),
         "settings": settings_digest(obj),
         "size": max(obj.dimensions[:]),
@@ -38,7 +41,10 @@ def read(obj: bpy.types.Object, mesh: str | None = None) -> dict[str, Json]:
 
 
 def changes(before: dict[str, Json], now: dict[str, Json]) -> list[str]:
-    """What has changed, in words; empty when a solve would find the same scene."""
+    """What has changed, in words; empty when a solve would find the same scene, and where another version of the
+    add-on, with other settings, has read it before."""
+    if before.get("names") != now["names"]:
+        return []
     found = []
     if before["mesh"] != now["mesh"]:
         found.append(MESH_CHANGED)
@@ -72,6 +78,12 @@ def mesh_digest(mesh: bpy.types.Mesh) -> str:
         mesh.attributes["position"].data.foreach_get("vector", vertices)
         mesh.attributes[".corner_vert"].data.foreach_get("value", corners)
     return _digest([len(mesh.polygons)], vertices, corners)
+
+
+def names_digest(obj: bpy.types.Object) -> str:
+    """Of the names of all settings."""
+    elements = obj.stormfield.bl_rna.properties["elements"].fixed_type
+    return _digest(FORM, _names(obj.stormfield.solve), tuple(sorted(elements.properties.keys())))
 
 
 def settings_digest(obj: bpy.types.Object) -> str:
