@@ -21,6 +21,7 @@ from . import (
     markers,
     motion,
     out_of_date,
+    stroke_shader,
     view_text,
 )
 from .marker_drawing import Marker
@@ -55,6 +56,7 @@ def unregister() -> None:
     while _handles:
         bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
     forget()
+    stroke_shader.release()
 
 
 def _draw_guarded(draw) -> None:

@@ -131,6 +131,12 @@ class StrokeBatch:
         _ribbon().draw_instanced(shader, instance_start=0, instance_count=self.count)
 
 
+def release() -> None:
+    """Give shader and ribbon back while there is still a GPU to give them to."""
+    _shader.cache_clear()
+    _ribbon.cache_clear()
+
+
 def _texture(strokes: Strokes, spacing: np.ndarray, reach: np.ndarray):
     rows = -(-len(strokes.points) // PER_ROW)
     content = np.zeros((rows * PER_ROW, POINTS + 1, 4), np.float32)

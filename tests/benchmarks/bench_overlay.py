@@ -47,6 +47,8 @@ def run(faces: int, picture: str | None) -> None:
     with target.bind():
         measure_cost(obj)
         measure_contrast(obj, picture)
+        stormfield.unregister()  # gives back what the GPU holds, while it is there
+    target.free()
 
 
 def storm_ball(faces: int) -> bpy.types.Object:
