@@ -9,6 +9,7 @@ from ..scene.read.finished_caches import not_shown, read_finished
 from ..scene.read.folders import cache_root
 from ..scene.write import attach
 from ..session import found_caches, freshness
+from . import requirements
 from .shared import FieldOperator, report_fault
 
 
@@ -18,6 +19,15 @@ class STORMFIELD_OT_use_baked_caches(FieldOperator, bpy.types.Operator):
     bl_idname = "stormfield.use_baked_caches"
     bl_label = "Use Baked Caches"
     bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        problem = requirements.problem()
+        if problem:
+            cls.poll_message_set(problem)
+        return not problem
 
     def execute(self, context):
         obj = active_field(context)

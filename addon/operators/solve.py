@@ -11,7 +11,7 @@ from ..scene.read import folders
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
 from ..scene.write import attach, doubts
-from ..session import freshness, made_caches, solver_state
+from ..session import found_caches, freshness, made_caches, solver_state
 from . import requirements
 from .doubts import solved_fields
 from .job_operator import JobOperator
@@ -41,6 +41,7 @@ class SolvingOperator(JobOperator):
     def finish(self, _context, obj, folder):
         attach.show_solved(obj, folder)
         freshness.keep(obj, self._read)
+        found_caches.forget(obj)
         made_caches.note(folder, self._before)
         made_caches.delete_superseded()
         self._tell_doubts(obj)

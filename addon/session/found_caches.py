@@ -7,6 +7,7 @@ found_caches.offered(obj)     # ["field", "flowing texture"]; empty where there 
 
 import bpy
 
+from ..bake.finished import Finished
 from ..model.errors import InputError
 from ..scene.read.finished_caches import are_any, not_shown, read_finished
 from ..scene.read.lambda_source import why_sampled
@@ -14,12 +15,12 @@ from ..scene.read.lambda_source import why_sampled
 #: Seconds after a file was loaded until its caches are looked for: its window appears first.
 DELAY = 0.5
 
-_offered: dict[int, list[str]] = {}  #: by session uid
+_found: dict[int, Finished] = {}  #: by session uid
 
 
 def look_soon() -> None:
     """Called when a file was loaded. Without a window nobody could be asked."""
-    _offered.clear()
+    _found.clear()
     if not bpy.app.background and not bpy.app.timers.is_registered(look):
         bpy.app.timers.register(look, first_interval=DELAY)
 
@@ -31,21 +32,27 @@ def look() -> None:
             if why_sampled(obj):  # looking would go through the frames of a scene that was just opened
                 continue
             try:
-                _offered[obj.session_uid] = not_shown(obj, read_finished(bpy.context, obj))
+                _found[obj.session_uid] = read_finished(bpy.context, obj)
             except InputError:  # Solve says what is wrong
                 continue
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
 
 
 def offered(obj: bpy.types.Object) -> list[str]:
     """What the caches are that were found for an object, for its panel."""
-    return _offered.get(obj.session_uid, [])
+    found = _found.get(obj.session_uid)
+    return [] if found is None else not_shown(obj, found)
 
 
 def forget(obj: bpy.types.Object) -> None:
-    _offered.pop(obj.session_uid, None)
+    """Offer nothing more for an object: it was solved anew, or shows what was found."""
+    _found.pop(obj.session_uid, None)
 
 
 def stop() -> None:
-    _offered.clear()
+    _found.clear()
     if bpy.app.timers.is_registered(look):
         bpy.app.timers.unregister(look)

@@ -88,6 +88,24 @@ def test_what_belongs_to_other_settings_is_not_offered(scene_file, change):
     assert attached_folder(ball, FRAMES) is None
 
 
+def test_what_was_solved_or_baked_here_meanwhile_is_not_offered(scene_file):
+    farm(scene_file)
+    ball, words = offered(scene_file)
+    assert words == ["field", "flowing texture"]
+    bpy.ops.stormfield.solve()
+    bpy.ops.stormfield.bake()
+    assert found_caches.offered(ball) == []
+
+
+def test_a_blender_that_cannot_show_caches_is_offered_no_button(scene_file, monkeypatch):
+    from stormfield.operators import requirements
+
+    opened(scene_file)
+    assert bpy.ops.stormfield.use_baked_caches.poll()
+    monkeypatch.setattr(requirements, "problem", lambda: "This Blender was built without USD")
+    assert not bpy.ops.stormfield.use_baked_caches.poll()
+
+
 def test_a_scene_that_cannot_be_read_is_offered_nothing(scene_file):
     farm(scene_file)
     ball = opened(scene_file)
