@@ -29,11 +29,7 @@ py::array_t<double> vectorArray(const Vec3& v) {
   return py::array_t<double>(3, v.data());
 }
 
-/// Python's Topology, its orbits and separatrices: all share the result.
-struct TopologyHandle {
-  std::shared_ptr<MeshHandle> mesh;
-  std::shared_ptr<const Topology> topology;
-};
+/// Python's orbits and separatrices, which share the result.
 struct OrbitHandle {
   std::shared_ptr<MeshHandle> mesh;
   std::shared_ptr<const Topology> topology;
@@ -44,13 +40,6 @@ struct SeparatrixHandle {
   std::shared_ptr<const Topology> topology;
   const Separatrix* separatrix;
 };
-
-/// (kind, number).
-using EntityTuple = py::typing::Tuple<EntityKind, std::optional<Index>>;
-
-EntityTuple entityTuple(const EntityRef& entity) {
-  return py::make_tuple(entity.kind, entity.index == kNone ? std::nullopt : std::optional<Index>(entity.index));
-}
 
 Work<TopologyHandle> prepareTopology(const FieldHandle& field, double relativeTolerance, double tolerance,
                                      double bandTolerance, Index maxSteps) {
@@ -192,6 +181,10 @@ void bindResult(py::module_& m) {
 }
 
 }  // namespace
+
+EntityTuple entityTuple(const EntityRef& entity) {
+  return py::make_tuple(entity.kind, entity.index == kNone ? std::nullopt : std::optional<Index>(entity.index));
+}
 
 void bind_topology(py::module_& m) {
   py::class_<FixedPoint>(m, "FixedPoint", py::module_local(), "Zero of a field. Immutable.")

@@ -13,6 +13,7 @@
 #include "bindings/words.h"
 #include "field/parameterized_field.h"
 #include "mesh/closest_point.h"
+#include "topology/topology.h"
 #include "tracing/flat_faces.h"
 
 namespace stormfield::bindings {
@@ -23,6 +24,7 @@ void bind_mesh_job(py::module_& m);
 void bind_field(py::module_& m);
 void bind_tracing(py::module_& m);
 void bind_topology(py::module_& m);
+void bind_edit(py::module_& m);
 void bind_tracking(py::module_& m);
 void bind_morse(py::module_& m);
 void bind_morse_maps(py::module_& m);
@@ -67,6 +69,16 @@ struct ParameterizedFieldHandle {
   std::shared_ptr<MeshHandle> mesh;
   ParameterizedField field;
 };
+
+/// Python's Topology.
+struct TopologyHandle {
+  std::shared_ptr<MeshHandle> mesh;
+  std::shared_ptr<const Topology> topology;
+};
+
+/// (kind, number).
+using EntityTuple = py::typing::Tuple<EntityKind, std::optional<Index>>;
+EntityTuple entityTuple(const EntityRef& entity);
 
 /// Arrays faces (k,) int32 and barycentric (k, 3) float64 as checked surface points.
 std::vector<SurfacePoint> inputSurfacePoints(const TriangleMesh& mesh, const ArrayArgument<Index>& faces,

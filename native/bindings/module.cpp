@@ -11,6 +11,7 @@ PYBIND11_MODULE(stormfield_native, m) {
   bind_field(m);
   bind_tracing(m);
   bind_topology(m);
+  bind_edit(m);
   bind_tracking(m);
   bind_morse(m);
   bind_morse_maps(m);

@@ -4,6 +4,16 @@
 
 namespace stormfield {
 
+void requireEntity(const Topology& topology, const EntityRef& entity) {
+  const std::size_t count = entity.kind == EntityKind::FixedPoint      ? topology.fixedPoints.size()
+                            : entity.kind == EntityKind::PeriodicOrbit ? topology.periodicOrbits.size()
+                                                                       : 0;
+  if (entity.index < 0 || static_cast<std::size_t>(entity.index) >= count) {
+    throw InputError(message("there is no entity ", entity.index,
+                             " of this kind in the topology of the field; analyze ", "the field again"));
+  }
+}
+
 Vec3 entityPlace(const Topology& topology, const TriangleMesh& mesh, const EntityRef& entity) {
   if (entity.kind == EntityKind::FixedPoint) return topology.fixedPoints[entity.index].position;
   return position(mesh, topology.periodicOrbits[entity.index].points.front());

@@ -9,6 +9,8 @@
 
 namespace stormfield {
 
+/// Throws InputError where the topology has no such fixed point or periodic orbit.
+void requireEntity(const Topology& topology, const EntityRef& entity);
 /// A fixed point's position, or that of the first point of an orbit.
 Vec3 entityPlace(const Topology& topology, const TriangleMesh& mesh, const EntityRef& entity);
 /// Precondition: the entity is a fixed point or a periodic orbit of the topology.

@@ -29,16 +29,6 @@ Role roleOf(const Topology& topology, const EntityRef& entity) {
   }
 }
 
-void requireEntity(const Topology& topology, const EntityRef& entity) {
-  const std::size_t count = entity.kind == EntityKind::FixedPoint      ? topology.fixedPoints.size()
-                            : entity.kind == EntityKind::PeriodicOrbit ? topology.periodicOrbits.size()
-                                                                       : 0;
-  if (entity.index < 0 || static_cast<std::size_t>(entity.index) >= count) {
-    throw InputError(message("there is no entity ", entity.index,
-                             " of this kind in the topology of the field; analyze ", "the field again"));
-  }
-}
-
 void requireHyperbolic(const Topology& topology, const TriangleMesh& mesh, const EntityRef& entity) {
   if (roleOf(topology, entity) != Role::Neither) return;
   throw InputError(message("the ", entityName(topology, mesh, entity),
