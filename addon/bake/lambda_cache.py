@@ -25,10 +25,11 @@ from ..model.polygons import Polygons
 from ..solve import SolverState, start_solve
 from ..version import VERSION
 from ..work import Step, Steps, result_of, scaled
+from .edited import edited_solution
 from .unfinished import unfinished
 
-#: Where the solve ends, and where the stream functions do and writing begins, in the fractions of all steps.
-SOLVE_END, STREAM_END = 0.75, 0.85
+#: Where the solve ends, the edits, and the stream functions, after which writing begins, in the fractions of all steps.
+SOLVE_END, EDIT_END, STREAM_END = 0.65, 0.75, 0.85
 #: Setting of a λ cache whose solve started from an earlier solution.
 WARM_STARTED = {"start": "last solution"}
 
@@ -66,9 +67,11 @@ def solve_steps(
         if joins:
             yield Step(0.0, "Solving", notes=joins)
         solution = yield from result_of(start_solve(mesh, design, state), 0.0, "Solving", SOLVE_END)
+        edited = yield from scaled(edited_solution(solution, design), SOLVE_END, EDIT_END)
+        solution = edited.solution
         streams = native.start_stream_functions(solution.fields["advection"])
-        stream = yield from result_of(streams, SOLVE_END, "Finding the stream functions", STREAM_END)
-        yield Step(STREAM_END, "Writing the samples", notes=solution.notes)
+        stream = yield from result_of(streams, EDIT_END, "Finding the stream functions", STREAM_END)
+        yield Step(STREAM_END, "Writing the samples", notes=(*solution.notes, *edited.notes))
         samples = fields.attributes_of(solution, stream, range(len(lambdas)))
         yield from scaled(writer.write_all(samples), STREAM_END, 1.0)
     yield from scaled(writer.finish(), 1.0, 1.0)

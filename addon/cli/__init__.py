@@ -7,7 +7,7 @@ Modules are imported inside the commands, so that --help is quick and Blender is
 
 from collections.abc import Callable, Sequence
 
-from . import analyze, bake, import_, info, morse, solve, stitch, track  # noqa: F401  (each adds its command)
+from . import analyze, bake, edit, import_, info, morse, solve, stitch, track  # noqa: F401  (each adds its command)
 from .faults import as_exit_status
 from .group import cli
 

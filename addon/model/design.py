@@ -8,19 +8,16 @@
 Checks that need the surface (points off it, elements that contradict each other) belong to the native module.
 """
 
-import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import Literal, get_args
 
+from . import schemas
+from .edits import SCHEMA as EDITS_SCHEMA
+from .edits import Edit, edits_from_json
 from .errors import InputError
 from .words import Json
-
-if TYPE_CHECKING:
-    from fastjsonschema import JsonSchemaValueException
 
 SCHEMA = "stormfield.design/1"
 ElementType = Literal["singular", "regular", "streamline", "pathline"]
@@ -149,10 +146,11 @@ class SolveSettings:
 
 @dataclass(frozen=True)
 class Design:
-    """Elements and settings."""
+    """Elements and settings, and the edits of what was solved from them."""
 
     elements: tuple[Element, ...] = ()
     settings: SolveSettings = field(default_factory=SolveSettings)
+    edits: tuple[Edit, ...] = ()
 
     def elements_of(self, name: FieldName) -> tuple[Element, ...]:
         """The enabled elements that act on the field `name`."""
@@ -178,6 +176,7 @@ class Design:
         design = cls(
             elements=tuple(Element(**element) for element in data["elements"]),
             settings=SolveSettings(**data.get("settings", {})),
+            edits=edits_from_json({"schema": EDITS_SCHEMA, "edits": data.get("edits", [])}),
         )
         design.check()
         return design
@@ -189,67 +188,13 @@ class Design:
             **({"mesh": dict(mesh)} if mesh else {}),
             "settings": _non_defaults(self.settings),
             "elements": [_non_defaults(element) for element in self.elements],
+            **({"edits": [edit.to_json() for edit in self.edits]} if self.edits else {}),
         }
 
 
 def check_schema(data: Json) -> None:
     """Raises InputError with one line that says where in the JSON, what is wrong, and the cure."""
-    from fastjsonschema import JsonSchemaValueException
-
-    found = data.get("schema") if isinstance(data, dict) else None
-    if found != SCHEMA:
-        raise InputError(f'schema: is {found!r}: a design says "schema": "{SCHEMA}"')
-    try:
-        _validator()(data)
-    except JsonSchemaValueException as error:
-        place = tuple(int(part) if part.isdigit() else part for part in error.path[1:])  # the first is "data"
-        path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).lstrip(".")
-        raise InputError(f"{path or 'design'}: {_describe(error)}{_element_name(data, place)}") from None
-
-
-@cache
-def _validator() -> Callable[[Json], Json]:
-    import fastjsonschema
-
-    # The identifier would be taken for an address to load from.
-    schema = {key: value for key, value in _schema().items() if key != "$id"}
-    return fastjsonschema.compile(schema, use_default=False)
-
-
-@cache
-def _schema() -> dict[str, Json]:
-    return json.loads((Path(__file__).parent / "design.schema.json").read_text(encoding="utf-8"))
-
-
-def _describe(error: "JsonSchemaValueException") -> str:
-    """The validator's finding as a fault and its cure, short enough for one line."""
-    shown = json.dumps(error.value, ensure_ascii=False)
-    shown = shown if len(shown) <= 40 else shown[:37] + "..."
-    rule = error.rule_definition
-    match error.rule:
-        case "enum":
-            return f"is {shown}: use one of {', '.join(rule)}"
-        case "required":
-            missing = [name for name in rule if name not in error.value]
-            return f"{missing[0]} is missing: add it"
-        case "additionalProperties":
-            known = error.definition["properties"]
-            unknown = [name for name in error.value if name not in known]
-            return f"{unknown[0]} is not known: remove it, or use one of {', '.join(known)}"
-        case "type":
-            return f"is {shown}: give a value of type {rule}"
-        case "exclusiveMinimum":
-            return f"is {shown}: give a number above {rule}"
-        case "minimum":
-            return f"is {shown}: give at least {rule}"
-        case "maximum":
-            return f"is {shown}: give at most {rule}"
-        case "minItems" | "maxItems":
-            bound = "least" if error.rule == "minItems" else "most"
-            return f"has {len(error.value)} values: give at {bound} {rule}"
-        case "oneOf":
-            return 'is neither {"vertices", "triangles"} nor {"file"}: give one of them'
-    return f"{error.message}: see design.schema.json"
+    schemas.check(data, SCHEMA, "design", _element_name)
 
 
 def _element_name(data: Json, path: Sequence[str | int]) -> str:

@@ -34,7 +34,7 @@ NATIVE = {
 
 # Each part of addon/, a file or a folder, and what it may import besides itself. Inner folders are parts of their own.
 _PLAIN = ["model", "version", "work", "native"]
-_DATA = [*_PLAIN, "solve", "cache", "analysis", "bake/task", "bake/targets", "bake", "readers", "compat"]
+_DATA = [*_PLAIN, "solve", "edits", "cache", "analysis", "bake/task", "bake/targets", "bake", "readers", "compat"]
 _SCENE = [*_DATA, "scene/read", "scene/nodes", "scene/write"]
 _STATE = [*_SCENE, "session", "properties", "shading", "presets"]
 _ALL = [
@@ -48,13 +48,14 @@ ADDON = {
     "compat": [],
     "native": ["model", "version"],
     "solve": ["model", "version", "native"],
+    "edits": [*_PLAIN],
     "cache": ["model", "version", "work", "native"],
     "analysis": [*_PLAIN, "cache"],
     "figures": [*_PLAIN, "cache", "analysis"],
     "readers": ["model", "version", "work", "native", "cache"],
     "bake/task": [*_PLAIN, "cache"],
     "bake/targets": [*_PLAIN, "cache", "bake/task"],
-    "bake": [*_PLAIN, "solve", "cache", "bake/task", "bake/targets"],
+    "bake": [*_PLAIN, "solve", "edits", "cache", "bake/task", "bake/targets"],
     "scene/read": _DATA,
     "scene/nodes": [*_DATA, "scene/read"],
     "scene/write": [*_DATA, "scene/read", "scene/nodes"],
@@ -75,7 +76,7 @@ ADDON = {
 }
 # Parts that run without Blender.
 WITHOUT_BLENDER = [
-    *["model", "version", "work", "native", "solve", "cache", "analysis", "figures", "readers"],
+    *["model", "version", "work", "native", "solve", "edits", "cache", "analysis", "figures", "readers"],
     *["bake/task", "bake/targets", "bake"],
 ]
 # Blender's own Python modules are found through bpy; these files alone do that, and only inside functions.
