@@ -94,6 +94,8 @@ def elements() -> Iterator[bpy.types.Object]:
     """A short curve for each preset. Add from Selected takes what it means from its mark."""
     presets = part("operators.elements")
     for key, (label, text, settings) in presets.PRESETS.items():
+        if key == "MERGE":  # which is drawn: it is no single element
+            continue
         curve = bpy.data.curves.new(label, "CURVE")
         curve.dimensions = "3D"
         spline = curve.splines.new("POLY")

@@ -36,8 +36,18 @@ def stream(speed: float) -> Flow:
     return flow
 
 
+def merging(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two vortices beside each other."""
+    u, v = np.zeros_like(x), np.zeros_like(y)
+    for place in (-0.42, 0.42):
+        weight = 1.0 / ((x - place) ** 2 + y**2 + 0.06)
+        u, v = u - weight * y, v + weight * (x - place)
+    return u, v
+
+
 #: File name → flow, colour (sRGB), and how far from the middle it fades.
 PICTURES: dict[str, tuple[Flow, tuple[float, float, float], float]] = {
+    "merge": (merging, (0.95, 0.80, 0.35), 0.9),
     "cyclone": (turning(1.0, -0.45), (0.35, 0.70, 0.95), 0.9),
     "anticyclone": (turning(-1.0, 0.45), (0.95, 0.62, 0.30), 0.9),
     "eye": (turning(1.0, 0.0), (0.93, 0.88, 0.45), 0.9),

@@ -6,6 +6,7 @@ from bpy.props import EnumProperty
 
 from ..properties.element import TYPES
 from ..scene.read.active_field import active_field
+from ..scene.write import merge
 from ..scene.write.elements import add_element
 from .elements import PRESET_ITEMS, PRESETS
 from .shared import FieldOperator
@@ -38,6 +39,8 @@ class STORMFIELD_OT_draw_element(FieldOperator, bpy.types.Operator):
         if properties.preset == "NONE":
             return ""
         _label, text, settings = PRESETS[properties.preset]
+        if properties.preset == "MERGE":
+            return f"{text}. Draw a stroke for each whose ends meet and, at will, one that goes on; then Finish Drawing"
         how = "Draw its path, or one short stroke" if settings["type"] == "singular" else "Draw it on the surface"
         return f"{text}. {how}; every stroke belongs to one new element. Finish with Tab or Finish Drawing"
 
@@ -53,6 +56,8 @@ class STORMFIELD_OT_draw_element(FieldOperator, bpy.types.Operator):
         for collection in obj.users_collection or [context.scene.collection]:
             collection.objects.link(curve)
         add_element(obj, curve, **settings)
+        if self.preset == "MERGE":
+            curve[merge.MARK] = True
         bpy.ops.object.select_all(action="DESELECT")
         obj.select_set(True)
         curve.select_set(True)
@@ -101,7 +106,19 @@ class STORMFIELD_OT_finish_drawing(FieldOperator, bpy.types.Operator):
         strokes = len(curve.data.splines) if curve.type == "CURVE" else len(curve.data.curves)
         if strokes == 0:
             self.report({"WARNING"}, f"Nothing was drawn; '{curve.name}' is empty")
+        elif curve.get(merge.MARK):
+            self._merge(obj, curve)
         return {"FINISHED"}
+
+    def _merge(self, obj, curve):
+        """Make storms that merge of the strokes; what cannot be is said, and the strokes stay as they are."""
+        element = next((element for element in obj.stormfield.elements if element.source == curve), None)
+        reason = merge.why_not(curve)
+        if element is None or reason:
+            self.report({"WARNING"}, reason or f"'{curve.name}' is no element any more")
+            return
+        merge.split_into_merge(obj, element)
+        self.report({"INFO"}, f"Two storms merge at λ {merge.MEETING:g}; solve to see them")
 
 
 CLASSES = (STORMFIELD_OT_draw_element, STORMFIELD_OT_finish_drawing)

@@ -12,6 +12,7 @@ from .shared import ElementOperator, FieldOperator
 
 #: What artists ask for by name: element settings in one click.
 PRESETS: dict[str, tuple[str, str, dict[str, object]]] = {
+    "MERGE": ("Merge", "Two storms that meet and go on as one", {"type": "singular", "kind": "vortex_ccw"}),
     "CYCLONE": ("Cyclone", "Turns left and flows in", {"type": "singular", "kind": "spiral_in_ccw"}),
     "ANTICYCLONE": ("Anticyclone", "Turns right and flows out", {"type": "singular", "kind": "spiral_out_cw"}),
     "EYE": ("Still Eye", "Turns left without flowing in or out", {"type": "singular", "kind": "vortex_ccw"}),

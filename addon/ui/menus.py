@@ -38,7 +38,7 @@ class STORMFIELD_MT_element_list(bpy.types.Menu):
         layout.operator("stormfield.move_element", text="Move Up", icon="TRIA_UP").direction = "UP"
         layout.operator("stormfield.move_element", text="Move Down", icon="TRIA_DOWN").direction = "DOWN"
         layout.separator()
-        for key, (label, _text, _settings) in PRESETS.items():
+        for key, label in ((key, preset[0]) for key, preset in PRESETS.items() if key != "MERGE"):
             layout.operator("stormfield.element_preset", text=f"Make {label}", icon_value=pictures.of(key)).preset = key
 
 

@@ -91,7 +91,7 @@ class STORMFIELD_PT_elements(FieldPanel, bpy.types.Panel):
 
 
 #: Presets in a row of the panel.
-IN_A_ROW = 5
+IN_A_ROW = 4
 
 
 def _draw_presets(layout):
