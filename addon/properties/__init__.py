@@ -24,7 +24,9 @@ CLASSES = (
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    bpy.types.Object.stormfield = bpy.props.PointerProperty(type=FieldProperties, name="Stormfield")
+    bpy.types.Object.stormfield = bpy.props.PointerProperty(
+        type=FieldProperties, name="Stormfield", override={"LIBRARY_OVERRIDABLE"}
+    )
 
 
 def unregister() -> None:

@@ -5,10 +5,12 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ..bake.task import FlowSettings
+from .overridable import overridable
 
 RESOLUTIONS = tuple((str(n), f"{n} px", f"{n} × {n} pixels") for n in (256, 512, 1024, 2048, 4096))
 
 
+@overridable
 class BakeProperties(bpy.types.PropertyGroup):
     folder: StringProperty(
         name="Cache Folder",

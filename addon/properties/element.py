@@ -6,6 +6,8 @@ import math
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
+from .overridable import overridable
+
 TYPES = (
     (
         "singular",
@@ -54,6 +56,7 @@ def _is_source(_self, candidate: bpy.types.Object) -> bool:
     return candidate.type in SOURCES
 
 
+@overridable
 class ElementProperties(bpy.types.PropertyGroup):
     name: StringProperty(name="Name", description="Name of the element, used in messages", default="Element")
     enabled: BoolProperty(name="Enabled", description="The element takes part in the next solve", default=True)

@@ -18,6 +18,7 @@ from .bake import BakeProperties
 from .element import ElementProperties
 from .look import LookProperties
 from .morse import MorseProperties
+from .overridable import overridable
 from .solve import SolveProperties
 
 SPEEDS = (
@@ -39,6 +40,7 @@ def _tell_blender(self, _context) -> None:
     self.id_data.update_tag()
 
 
+@overridable
 class FieldProperties(bpy.types.PropertyGroup):
     enabled: BoolProperty(name="Has Field", description="Stormfield designs a field on this mesh", default=False)
     lam: FloatProperty(

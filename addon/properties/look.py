@@ -4,6 +4,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
+from .overridable import overridable
+
 SHOWN_FIELDS = (
     ("sf_advection", "Advection", "The field that moves the texture"),
     ("sf_orientation", "Orientation", "The field that turns the texture"),
@@ -15,6 +17,7 @@ STYLES = (
 )
 
 
+@overridable
 class LookProperties(bpy.types.PropertyGroup):
     show_overlay: BoolProperty(name="Overlay", description="Show the field in the 3D view", default=True)
     shown_field: EnumProperty(name="Show", description="Which of the two fields is drawn", items=SHOWN_FIELDS)

@@ -5,6 +5,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from ..session import morse_preview, morse_state
+from .overridable import overridable
 
 METHODS = (
     (
@@ -34,6 +35,7 @@ def _simplify(self, _context) -> None:
     morse_state.simplify_later(self.id_data)
 
 
+@overridable
 class MorseProperties(bpy.types.PropertyGroup):
     method: EnumProperty(
         name="Method",

@@ -5,10 +5,12 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ..model.design import SolveSettings
+from .overridable import overridable
 
 DEFAULTS = SolveSettings()
 
 
+@overridable
 class SolveProperties(bpy.types.PropertyGroup):
     samples: IntProperty(
         name="Time Samples",

@@ -245,13 +245,13 @@ def test_clean_up_keeps_everything_where_a_file_cannot_be_read(baked, tmp_path):
 
 
 def test_a_file_elsewhere_that_uses_a_cache_folder_is_asked_too(baked, tmp_path):
-    baked.stormfield.bake.folder = str(tmp_path / "caches")
+    baked.stormfield.bake.folder = str(tmp_path / "a" / "disk" / "for" / "caches")
     bpy.ops.stormfield.solve()
     shown = Path(bpy.path.abspath(baked.modifiers[0].cache_file.filepath)).parent
     save(tmp_path / "far" / "away" / "one.blend")
     baked.stormfield.elements[0].strength = 0.5
     bpy.ops.stormfield.solve()
-    save(tmp_path / "two.blend")
+    save(tmp_path / "near" / "two.blend")
     bpy.ops.stormfield.clean_caches()
     assert shown.is_dir()
     (tmp_path / "far" / "away" / "one.blend").unlink()

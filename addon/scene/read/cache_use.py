@@ -47,8 +47,9 @@ def cache_uses() -> list[CacheUse]:
 
 
 def write_user(base: Path, blend: Path) -> None:
-    """Let a base folder know of a file that is not beside it. Where that cannot be written nothing can be deleted."""
-    if blend.parent != base.parent and base.is_dir() and blend not in _users(base):
+    """Let a base folder know of a file that a search around it would not find. Where that cannot be written nothing can
+    be deleted."""
+    if base.is_dir() and not _is_in_reach(base, blend) and blend not in _users(base):
         with contextlib.suppress(OSError), (base / USERS).open("a", encoding="utf-8", newline="\n") as file:
             file.write(f"{blend}\n")
 
@@ -93,6 +94,15 @@ def _reach(base: Path) -> _Reach:
         for name in names:
             named.setdefault(name, blend.name)
     return _Reach(named, doubt)
+
+
+def _is_in_reach(base: Path, blend: Path) -> bool:
+    """Whether _reach looks into the folder of a file."""
+    around = ((base.parent, DEPTH_BELOW), (base.parent.parent, DEPTH_BESIDE))
+    return any(
+        blend.is_relative_to(folder) and len(blend.parent.relative_to(folder).parts) <= depth
+        for folder, depth in around
+    )
 
 
 def _users(base: Path) -> list[Path]:

@@ -26,7 +26,9 @@ LONGEST_PATH = 1023
 def new(stage: Path) -> bpy.types.CacheFile:
     before = set(bpy.data.cache_files)
     bpy.ops.cachefile.open(filepath=str(stage), relative_path=False)
-    cache_file = next(iter(set(bpy.data.cache_files) - before))
+    # Library overrides may be brought up to date by the way, which makes cache files of their own.
+    made = set(bpy.data.cache_files) - before
+    cache_file = next(file for file in made if file.library is None and file.override_library is None)
     cache_file.user_clear()  # the operator counts a button as user that is not there without a window
     return cache_file
 
