@@ -19,6 +19,7 @@ from bpy.props import (
 
 from ..analysis.quiet import ALWAYS
 from ..scene.write import selection, timeline
+from .overridable import overridable
 
 #: The three lists, in the order of their tabs: (identifier, label, tooltip, icon, number).
 LISTS = (
@@ -69,6 +70,7 @@ def _detail_changed(self, _context) -> None:
         timeline.update_markers(self.id_data)
 
 
+@overridable
 class EntityItem(bpy.types.PropertyGroup):
     """One entity; its place in the list is its id."""
 
@@ -92,6 +94,7 @@ class EntityItem(bpy.types.PropertyGroup):
     words: StringProperty(name="Words", description="Of a bifurcation: what an artist calls it, as λ grows")
 
 
+@overridable
 class EntityList(bpy.types.PropertyGroup):
     items: CollectionProperty(type=EntityItem, name="Entities", description="In the order of the graph")
     active: IntProperty(name="Selected", description="The entity that list, graph and view show", update=_selected)
@@ -148,6 +151,7 @@ class EntityList(bpy.types.PropertyGroup):
         return sum(self.passes_filters(item) and not self.passes(item) for item in self.items)
 
 
+@overridable
 class AnalysisProperties(bpy.types.PropertyGroup):
     ecg: PointerProperty(type=EntityList, name="Now", description="Entities of one λ")
     history: PointerProperty(type=EntityList, name="Over λ", description="Paths and bifurcations")

@@ -9,7 +9,8 @@ Group = TypeVar("Group", bound=type[bpy.types.PropertyGroup])
 
 
 def overridable(group: Group) -> Group:
-    """Class decorator: all settings of a group can be overridden."""
+    """Class decorator: all settings of a group can be overridden, and lists be added to."""
     for setting in group.__annotations__.values():
-        setting.keywords["override"] = {"LIBRARY_OVERRIDABLE"}
+        adds = {"USE_INSERTION"} if setting.function == bpy.props.CollectionProperty else set()
+        setting.keywords["override"] = {"LIBRARY_OVERRIDABLE"} | adds
     return group

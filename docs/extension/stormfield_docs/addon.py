@@ -48,8 +48,15 @@ class Operator:
 
 @dataclass
 class _Recorded:
+    """A setting, with the names of its parts in Blender's own record."""
+
     kind: str
     options: dict[str, Any] = field(default_factory=dict)
+    function: None = None
+
+    @property
+    def keywords(self) -> dict[str, Any]:
+        return self.options
 
 
 def anchor_of_setting(group: str, name: str) -> str:
