@@ -9,6 +9,7 @@ Type checkers see the core by its stubs. Modules that name its classes in annota
 `from __future__ import annotations`: an annotation that is evaluated would load the core.
 """
 
+import contextlib
 import importlib
 import importlib.util
 import platform
@@ -52,6 +53,13 @@ def load() -> ModuleType:
         )
     module.set_input_error(errors.InputError)
     return module
+
+
+def load_alone() -> ModuleType:
+    """The same in a process that never gets Blender, where bpy may not be imported: in threads other than the main."""
+    with contextlib.suppress(ImportError):
+        importlib.import_module(MODULE)
+    return load()
 
 
 def check() -> None:

@@ -32,7 +32,7 @@ class FieldInput:
 
         if image is not None:
             check_image(image)
-        self.name, self.phases = field, Phases()
+        self.name, self.choice, self.phases = field, choice, Phases()
         self._out, self._image = out, image
         load_core()
         with self.phases("read"):

@@ -3,6 +3,10 @@
 
 import itertools
 import json
+import os
+import signal
+import sys
+import threading
 
 import numpy as np
 import pytest
@@ -219,3 +223,54 @@ def test_windows_of_other_fields_are_refused():
     other = part(mesh, lambdas, 2 * tangents, 1, 2)
     with pytest.raises(InputError, match="a and b have other meshes or fields"):
         stitching.joined([("a", part(mesh, lambdas, tangents, 0, 1)), ("b", other)])
+
+
+def wind_file(folder):
+    """A vortex that moves, and noise, at nine times."""
+    latitude, longitude = np.arange(-90.0, 91, 10), np.arange(0.0, 360, 10)
+    rng = np.random.default_rng(5)
+    u, v = rng.normal(size=(2, 9, len(latitude), len(longitude)))
+    np.savez(folder / "wind.npz", lat=latitude, lon=longitude, u=u, v=v)
+    return folder / "wind.npz"
+
+
+def without_seconds(path):
+    content = json.loads(path.read_text())
+    del content["seconds"]
+    return content
+
+
+def found_in(content):
+    paths = [(p["kind"], *p["ends"], *np.round([*p["samples"][0], *p["samples"][-1]], 6)) for p in content["paths"]]
+    return sorted(paths), sorted((e["kind"], *np.round([e["lam"], *e["position"]], 6)) for e in content["bifurcations"])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
+def test_windows_on_dask_are_one_piece_though_a_worker_dies(capsys, tmp_path):
+    distributed = pytest.importorskip("distributed", reason="Dask is not installed: pip install distributed")
+    wind = wind_file(tmp_path)
+    options = ("--sphere-faces", 1280, "--json")
+    assert run(capsys, "track", wind, *options, tmp_path / "whole.json")[0] == 0
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        again = (wind, "--windows", 4, "--scheduler", cluster.scheduler_address, *options)
+        assert run(capsys, "track", *again, tmp_path / "a.json")[0] == 0
+
+        timer = threading.Timer(0.3, os.kill, (cluster.workers[0].process.pid, signal.SIGKILL))
+        timer.start()
+        assert run(capsys, "track", *again, tmp_path / "b.json")[0] == 0
+        timer.join()
+    whole, a, b = (without_seconds(tmp_path / f"{name}.json") for name in ("whole", "a", "b"))
+    assert a == b
+    assert found_in(a) == found_in(whole) and len(whole["paths"]) > 20
+    nowhere = ("--windows", 2, "--scheduler", "tcp://127.0.0.1:9")
+    assert "does not answer" in refused(capsys, "track", wind, *nowhere, "--json", "-")
+
+
+@pytest.mark.parametrize(("samples", "count", "windows"), [(9, 4, 4), (3, 5, 2), (2, 1, 1), (745, 8, 8)])
+def test_windows_share_one_sample_and_are_nearly_equal(samples, count, windows):
+    from stormfield.cli.dask_windows import windows_of
+
+    found = windows_of(samples, count)
+    assert len(found) == windows and found[0][0] == 0 and found[-1][1] == samples - 1
+    assert all(a[1] == b[0] for a, b in itertools.pairwise(found))
+    assert np.ptp([last - first for first, last in found]) <= 1
