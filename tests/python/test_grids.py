@@ -1155,3 +1155,50 @@ def test_import_makes_a_cache_in_the_size_of_a_scene(tmp_path, capsys):
     assert np.abs(found - exact).max() < 0.02 * np.abs(exact).max()
     assert main(["import", str(path), "--out", str(tmp_path / "b"), "--seconds", "0"]) == 2
     assert main(["import", str(path), "--out", str(path)]) == 2
+
+
+def test_values_are_decoded_as_xarray_decodes_them(tmp_path):
+    """Packed, unsigned, with two marks of no value, with strings and characters."""
+    from stormfield.readers.grids.dataset import netcdf
+
+    data = field([storm(25.0, 285.0)] * 2, *grid(10.0))
+    data["name"] = ("time", np.array(["first", "second"], object))
+    data["odd"] = (("latitude", "longitude"), np.arange(19 * 36, dtype=np.int16).reshape(19, 36))
+    data.odd.attrs = {"missing_value": np.int16(7), "scale_factor": 0.5, "add_offset": 3.0}
+    data["bytes"] = (
+        ("latitude", "longitude"),
+        (np.arange(19 * 36) % 256).astype(np.uint8).view(np.int8).reshape(19, 36),
+    )
+    data.bytes.attrs = {"_Unsigned": "true", "scale_factor": 2.0}
+    path = written(tmp_path, data, encoding={"u10": {"dtype": "int16", "scale_factor": 0.01, "_FillValue": -9999}})
+    with netcdf(path) as ours, xarray.open_dataset(path, decode_times=False) as theirs:
+        assert set(ours.variables) == set(map(str, theirs.variables))
+        assert set(ours.data_vars) == set(map(str, theirs.data_vars))
+        for name in ours.variables:
+            mine, other = ours[name], theirs[name]
+            assert (mine.dims, mine.shape) == (other.dims, other.shape), name
+            if other.dtype.kind in "iuf":
+                assert np.allclose(mine.values, other.values, rtol=1e-6, equal_nan=True), name
+                chosen = {mine.dims[0]: -1}
+                assert np.allclose(mine.isel(chosen).values, other.isel(chosen).values, rtol=1e-6, equal_nan=True), name
+            else:
+                assert mine.values.tolist() == other.values.tolist()
+        assert np.array_equal(
+            ours["u10"].isel({"time": 1}).transpose("longitude", "latitude").values.T, ours["u10"].values[1]
+        )
+
+
+def test_single_files_need_no_xarray(tmp_path, monkeypatch):
+    """Blender has no xarray; what the extension brings is enough for NetCDF."""
+    import builtins
+
+    path = written(tmp_path, field([LOW] * 2, *grid(5.0)))
+    original = builtins.__import__
+
+    def without(name, *arguments, **options):
+        if name.split(".")[0] in ("xarray", "pandas", "dask", "scipy"):
+            raise ImportError(name)
+        return original(name, *arguments, **options)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    assert len(read_field(path).lambdas) == 2

@@ -32,7 +32,7 @@ from .opening import files_of, is_grid, open_grid
 from .places import find_grid
 from .samples import Components, GridSamples, Scan, scan
 from .surface import Grid, Resolution, Surface
-from .times import Times, times_of, within
+from .times import Times, decoded, times_of, within
 from .vocabulary import is_latitude, is_longitude, speed_of, unit
 
 
@@ -159,8 +159,7 @@ def _scalar_time(dataset) -> Times:
     """The time of a dataset whose variables have none: a coordinate of one value."""
     for name in ("valid_time", "time"):
         if name in dataset.variables and dataset[name].ndim == 0:
-            alone = dataset[name].variable.set_dims(("sample",))
-            return times_of(dataset.drop_vars(name).assign_coords({name: alone}), "sample")
+            return decoded(dataset[name])
     return Times(None)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...model.errors import InputError
 from ..field_data import NoFieldError
+from .dataset import Variable
 from .vocabulary import is_lead, is_level, is_member, is_time, unit
 
 Role = Literal["time", "lead", "level", "member", "other"]
@@ -62,10 +63,7 @@ def role_of(dataset, dim: str) -> Role:
             return found
     if own:
         return "other"
-    # No coordinate: the name alone has to say it.
-    import xarray
-
-    return _role(dim, xarray.DataArray(np.zeros(1)))
+    return _role(dim, Variable.of(dim, (dim,), np.zeros(1)))  # no coordinate: the name alone has to say it
 
 
 def _role(name: str, variable) -> Role:

@@ -17,6 +17,7 @@ import numpy as np
 
 from ...model.errors import InputError
 from ..geography import COMMON
+from .dataset import Dataset, Variable, netcdf
 from .times import EPOCH, times_of
 from .vocabulary import is_time
 
@@ -74,7 +75,7 @@ def _open_one(file: Path, many: bool):
         return _opened(file, "zarr", "zarr", "grids", many)
     if file.suffix.lower() in GRIB or _begins(file, b"GRIB"):
         return _grib(file, many)
-    return _opened(file, None, "netCDF4", "", many)
+    return _opened(file, None, "netCDF4", "", many) if many else _netcdf(file)
 
 
 def _opened(file: Path, engine: str | None, module: str, extra: str, many: bool):
@@ -133,10 +134,20 @@ def _differs(known, array, dim: object) -> bool:
     )
 
 
-def _npz(file: Path):
-    """u and v as time × latitude × longitude, or level × ... with as many named axes as fit by their length."""
-    import xarray
+@contextmanager
+def _netcdf(file: Path) -> Iterator[Dataset]:
+    _need(file, "netCDF4", "")
+    with ExitStack() as stack:
+        try:
+            dataset = stack.enter_context(netcdf(file))
+        except Exception as error:
+            raise InputError(f"{file}: is not a grid that can be read ({_reason(error)})") from error
+        yield dataset
 
+
+@contextmanager
+def _npz(file: Path) -> Iterator[Dataset]:
+    """u and v on axes that fit by their length, longitude last."""
     try:
         with np.load(file, allow_pickle=False) as data:
             arrays = {name: data[name] for name in data.files}
@@ -144,19 +155,18 @@ def _npz(file: Path):
         raise InputError(f"{file}: is not an .npz file ({_reason(error)})") from error
     scale = arrays.pop("scale", None)
     axes = {name: values for name, values in arrays.items() if values.ndim == 1}
-    fields = {}
+    found = {}
     for name, values in arrays.items():
         if values.ndim >= 2:
-            dims = _axes_by_length(values.shape, axes)
-            scaled = (
-                values if scale is None or not np.issubdtype(values.dtype, np.number) else values * np.float64(scale)
-            )
-            fields[name] = (dims, scaled)
-    used = {dim for dims, _ in fields.values() for dim in dims}
-    try:
-        return xarray.Dataset(fields, {name: ((name,), values) for name, values in axes.items() if name in used})
-    except ValueError as error:
-        raise InputError(f"{file}: its arrays do not fit together ({_reason(error)})") from error
+            scaled = values if scale is None or values.dtype.kind not in "iuf" else values * np.float64(scale)
+            found[name] = Variable.of(name, tuple(_axes_by_length(values.shape, axes)), scaled)
+    sizes: dict[str, int] = {}
+    for name, variable in found.items():
+        for dim, size in variable.sizes.items():
+            if sizes.setdefault(dim, size) != size:
+                raise InputError(f"{file}: its arrays do not fit together: {dim} of {name} is {size}, not {sizes[dim]}")
+    found |= {name: Variable.of(name, (name,), values) for name, values in axes.items() if name in sizes}
+    yield Dataset(found, set(axes) & set(sizes))
 
 
 def _axes_by_length(shape: Sequence[int], axes: dict[str, np.ndarray]) -> list[str]:

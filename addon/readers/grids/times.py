@@ -42,7 +42,7 @@ def times_of(dataset, dim: str) -> Times:
     # The time that is meant is the valid one, where a forecast has more.
     order = sorted(along, key=lambda name: (standard(dataset[name]) != "time", name not in ("valid_time", dim)))
     for name in order:
-        found = _decoded(dataset[name])
+        found = decoded(dataset[name])
         if found.numbers is not None:
             return found
     return Times(None)
@@ -101,15 +101,16 @@ def _date(word: str, calendar: str):
 
 def _tells(dataset, name: str, dim: str) -> bool:
     variable = dataset[name]
-    if variable.ndim == 2:  # characters of the WRF
+    if variable.ndim >= 2:  # characters of the WRF
         return name in ("Times", "DateStrLen") and variable.dtype.kind == "S"
     return variable.ndim == 1 and (is_time(name, variable) or is_lead(name, variable) or name == dim)
 
 
-def _decoded(variable) -> Times:
-    values = variable.values
-    if values.ndim == 2:
-        values = np.array([b"".join(row) for row in values])
+def decoded(variable) -> Times:
+    """The times that a variable holds, one or many."""
+    values = np.atleast_1d(variable.values)
+    if values.ndim >= 2:
+        values = np.array([b"".join(row) for row in values.reshape(len(values), -1)])
     if np.issubdtype(values.dtype, np.datetime64):
         return _with_dates(values.astype("datetime64[ns]").astype(np.int64) / 1e9, EPOCH, "standard")
     if np.issubdtype(values.dtype, np.timedelta64):
