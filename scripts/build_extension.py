@@ -28,6 +28,9 @@ LIBRARIES = (
     *("igraph==1.0.0", "texttable==1.7.0", "click==8.5.1", "fastjsonschema==2.22.3"),
     *("meshio==5.3.5", "rich==15.0.0", "markdown-it-py==4.3.0", "mdurl==0.1.2", "pygments==2.21.0"),
 )
+#: Bundled where PyPI has one wheel that serves every Blender of the platform and is small: netCDF4 reads wind and
+#: currents, cftime the dates of their times. Elsewhere the import of NetCDF says what is missing.
+GRIDS = {"linux-x64": ("netCDF4==1.7.5.1.post1", "cftime==1.6.6.1")}
 #: Blender's platform → tags of wheels that serve it, as pip names them.
 PLATFORMS = {
     "linux-x64": "manylinux_2_28_x86_64",
@@ -93,11 +96,16 @@ def add_assets(source: Path) -> None:
         shutil.rmtree(leftover)
 
 
+def libraries(platform: str) -> tuple[str, ...]:
+    """What is bundled for a platform."""
+    return (*LIBRARIES, *GRIDS.get(platform, ()))
+
+
 def library_wheels(platform: str, folder: Path) -> list[Path]:
-    """The wheels of LIBRARIES for a platform, unmodified, in `folder`; a pure one serves all platforms."""
+    """The wheels of the libraries for a platform, unmodified, in `folder`; a pure one serves all platforms."""
     with tempfile.TemporaryDirectory() as temporary:
         pip = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:", "-d", temporary]
-        run_quietly([*pip, "--python-version", "3.11", "--platform", PLATFORMS[platform], *LIBRARIES])
+        run_quietly([*pip, "--python-version", "3.11", "--platform", PLATFORMS[platform], *libraries(platform)])
         return [Path(shutil.copy(wheel, folder)) for wheel in sorted(Path(temporary).glob("*.whl"))]
 
 

@@ -10,7 +10,7 @@ from bpy_extras.io_utils import ImportHelper
 from ..bake.given import GivenField, given_steps
 from ..cache.field_cache import open_cache
 from ..cache.layout import MANIFEST
-from ..model.errors import InputError
+from ..model.errors import InputError, MissingPackageError
 from ..readers import Choice, FieldData, SceneScale, read_series
 from ..scene.read import folders
 from ..scene.read.mesh import read_mesh, read_polygons
@@ -151,9 +151,10 @@ class STORMFIELD_OT_import_data(JobOperator, bpy.types.Operator, ImportHelper):
 def _read(path: Path, choice: Choice) -> FieldData:
     try:
         return read_series(path, choice)
-    except ImportError as fault:
+    except (ImportError, MissingPackageError) as fault:
+        package = fault.package if isinstance(fault, MissingPackageError) else fault.name
         raise InputError(
-            f"{path}: reading it needs the Python package {fault.name}, which this Blender does not have; make a λ "
+            f"{path}: reading it needs the Python package {package}, which this Blender does not have; make a λ "
             "cache of it outside with: stormfield import FILE --out FOLDER, and import that"
         ) from fault
 

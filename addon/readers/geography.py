@@ -11,6 +11,7 @@ from ..model.words import Json
 
 #: Calendars that are the one of datetime64, from its introduction on.
 COMMON = ("standard", "gregorian", "proleptic_gregorian")
+EPOCH = "seconds since 1970-01-01"
 #: Units of time, and their seconds.
 LENGTHS = (
     ({"s", "sec", "secs", "second", "seconds"}, 1.0),
@@ -70,12 +71,15 @@ class Geography:
 
 def dates_of(numbers: np.ndarray, unit: str, calendar: str) -> list[str]:
     """ISO 8601, to the nearest second."""
+    if not len(numbers):
+        return []
+    if unit == EPOCH and calendar in COMMON:  # needs no cftime
+        seconds = np.floor(numbers + 0.5).astype("timedelta64[s]")
+        return np.datetime_as_string(np.datetime64("1970-01-01") + seconds, "s").tolist()
     from datetime import timedelta
 
     import cftime
 
-    if not len(numbers):
-        return []
     first = cftime.num2date(float(numbers[0]), unit, calendar)
     second = cftime.num2date(float(numbers[0]) + 1.0, unit, calendar) - first
     if calendar in COMMON and first.year > 1582:

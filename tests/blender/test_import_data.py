@@ -123,17 +123,12 @@ def test_what_cannot_be_read_is_refused_and_leaves_nothing(native, tmp_path, nam
     assert not bpy.data.objects
 
 
-def test_a_package_that_this_blender_lacks_is_named(native, wind, monkeypatch):
-    path = wind()
-    import builtins
-
-    original = builtins.__import__
-
-    def without(name, *arguments, **options):
-        if name == "xarray":
-            raise ImportError("No module named 'xarray'", name="xarray")
-        return original(name, *arguments, **options)
-
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(RuntimeError, match=r"needs the Python package xarray.*stormfield import"):
-        bpy.ops.stormfield.import_data(filepath=path)
+@pytest.mark.parametrize(
+    ("name", "content", "package"), [("a.grib", b"GRIB", "cfgrib"), ("a.nc", b"CDF\x01", "netCDF4")]
+)
+def test_a_package_that_this_blender_lacks_is_named(native, tmp_path, monkeypatch, name, content, package):
+    (tmp_path / name).write_bytes(content)
+    monkeypatch.setattr("stormfield.readers.grids.opening.importlib.util.find_spec", lambda _name: None)
+    with pytest.raises(RuntimeError, match=rf"needs the Python package {package}.*stormfield import"):
+        bpy.ops.stormfield.import_data(filepath=str(tmp_path / name))
+    assert not bpy.data.objects

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from ...model.errors import InputError
-from ..geography import COMMON
+from ...model.errors import InputError, MissingPackageError
+from ..geography import COMMON, EPOCH
 from .dataset import Dataset, Variable, netcdf
-from .times import EPOCH, times_of
+from .times import times_of
 from .vocabulary import is_time
 
 NETCDF = {".nc", ".nc3", ".nc4", ".cdf", ".netcdf", ".h5", ".hdf5", ".he5"}
@@ -234,7 +234,9 @@ def _chunks(file: Path) -> dict[str, int]:
 def _need(file: Path, module: str, extra: str) -> None:
     if importlib.util.find_spec(module) is None:
         what = f"stormfield[{extra}]" if extra else module
-        raise InputError(f"{file}: reading it needs the Python package {module}; install it with: pip install '{what}'")
+        raise MissingPackageError(
+            f"{file}: reading it needs the Python package {module}; install it with: pip install '{what}'", module
+        )
 
 
 def _matching(path: Path) -> list[Path]:

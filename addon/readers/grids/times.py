@@ -9,10 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...model.errors import InputError
-from ..geography import dates_of
+from ..geography import COMMON, EPOCH, dates_of
 from .vocabulary import is_lead, is_time, unit
-
-EPOCH = "seconds since 1970-01-01"
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +136,8 @@ def _with_dates(numbers: np.ndarray, unit: str, calendar: str) -> Times:
     plain = Times(numbers, unit, calendar)
     if " since " not in unit:
         return plain
+    if unit == EPOCH and calendar in COMMON:
+        return replace(plain, dates=tuple(dates_of(numbers, unit, calendar)))
     import cftime
 
     try:
