@@ -149,7 +149,8 @@ def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:
         entry.surface, entry.mesh = _native_surface(entry.surface)
     except (ValueError, RuntimeError, ImportError) as fault:
         entry.note = f"Fixed points cannot be shown: {fault}"
-    entry.seeds = SeedLevels(entry.surface)
+    parts = None if entry.mesh is None else entry.mesh.components[entry.surface.triangles[:, 0]]
+    entry.seeds = SeedLevels(entry.surface, parts)
 
 
 def _native_surface(surface: Surface):

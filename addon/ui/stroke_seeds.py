@@ -28,8 +28,11 @@ BLOCK = 24.0
 class SeedLevels:
     """k places, the coarsest level first; finer ones are appended, of all of the surface, then where a view is near."""
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: Surface, parts: np.ndarray | None = None) -> None:
+        """parts: (m,) a number for each triangle; places keep no distance to those of other parts, which may lie close
+        behind."""
         self.surface = surface
+        self.parts = np.zeros(len(surface.triangles), np.int64) if parts is None else parts.astype(np.int64)
         self.faces = np.zeros(0, np.int32)  #: (k,)
         self.barycentric = np.zeros((0, 3))  #: (k, 3) float64
         self.positions = np.zeros((0, 3))  #: (k, 3) float64, on the surface
@@ -85,7 +88,8 @@ class SeedLevels:
         positions = np.einsum("kc,kcd->kd", barycentric, corners)
         around = ((self.positions >= low - distance) & (self.positions < low + edge + distance)).all(axis=1)
         known = self.positions[around]
-        fresh = _fill(np.concatenate([positions, known]), tried, tried + np.arange(len(known)), distance)
+        parts = self.parts[np.concatenate([faces, self.faces[around]])]
+        fresh = _fill(np.concatenate([positions, known]), parts, tried, tried + np.arange(len(known)), distance)
         self._append(faces, barycentric, positions, fresh, distance)
 
     @cached_property
@@ -101,7 +105,7 @@ class SeedLevels:
     def _add_level(self, tried: int) -> None:
         count = max(tried, int(self._candidates.max(initial=-1)) + 1)
         faces, barycentric, positions = self._places(np.arange(count))
-        fresh = _fill(positions, tried, self._candidates, self._next)
+        fresh = _fill(positions, self.parts[faces], tried, self._candidates, self._next)
         self._candidates = np.concatenate([self._candidates, fresh])
         self._append(faces, barycentric, positions, fresh, self._next)
 
@@ -131,9 +135,9 @@ def _sequence(index: np.ndarray, shares: np.ndarray) -> tuple[np.ndarray, np.nda
     return faces, np.stack([1 - root, root * (1 - v), root * v], axis=1)
 
 
-def _fill(positions: np.ndarray, tried: int, chosen: np.ndarray, distance: float) -> np.ndarray:
+def _fill(positions: np.ndarray, parts: np.ndarray, tried: int, chosen: np.ndarray, distance: float) -> np.ndarray:
     """Of the first candidates those whose cells hold no chosen place and no other of them, in none of the grids."""
-    grids = [_cells(positions @ turn.T, CELL * distance) for turn in _turns()]
+    grids = [_cells(positions @ turn.T, parts, CELL * distance) for turn in _turns()]
     taken = chosen
     for _ in range(ROUNDS):
         kept = np.arange(tried)
@@ -155,8 +159,8 @@ def _turns() -> list[np.ndarray]:
     return [np.linalg.qr(matrix)[0] for matrix in matrices]
 
 
-def _cells(positions: np.ndarray, cell: float) -> tuple[np.ndarray, int]:
-    """(k,) int64: a slot for each cell of a grid, and how many slots there are. Two cells in one slot do no harm."""
+def _cells(positions: np.ndarray, parts: np.ndarray, cell: float) -> tuple[np.ndarray, int]:
+    """(k,) int64: a slot for each cell of a grid and part, and how many slots there are. Sharing one does no harm."""
     slots = 1 << int(SLOTS * max(len(positions), 64) - 1).bit_length()
     x, y, z = np.floor(positions / cell).astype(np.int64).T
-    return (x * 73856093 ^ y * 19349663 ^ z * 83492791) & (slots - 1), slots
+    return (x * 73856093 ^ y * 19349663 ^ z * 83492791 ^ parts * 49979687) & (slots - 1), slots

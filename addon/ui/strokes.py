@@ -22,6 +22,10 @@ from .surface import LIFT, Surface
 POINTS = 13
 #: Nodes of a grid, in reaches from the seed along both tangents.
 NODES = np.array([(a, b) for b in (-1.0, 0.0, 1.0) for a in (-1.0, 0.0, 1.0)])
+#: Places between the nodes where a grid is compared with the surface; how low and high over it a stroke may be there,
+#: over LIFT; and how often a grid is halved for that.
+BETWEEN = np.array([(a, b) for b in (-0.6, 0.0, 0.6) for a in (-0.6, 0.0, 0.6) if a or b], np.float32)
+LOWEST, HIGHEST, HALVINGS = 0.3, 3.0, 3
 #: A node whose surface turns its back on the seed's belongs to another sheet: cosine between the normals.
 SAME_SHEET = 0.1
 #: Below this fraction of what counts as fast there is no field.
@@ -41,7 +45,8 @@ class Grids:
 
     def __init__(self, surface: Surface, mesh, seeds: SeedLevels) -> None:
         self.surface, self.mesh, self.seeds = surface, mesh, seeds
-        self.reach = np.zeros(0)  #: mesh units from the seed to the next nodes; 0 before it is prepared
+        self.asked = np.zeros(0)  #: mesh units from the seed to the next nodes that were asked for; 0 before that
+        self.reach = np.zeros(0)  #: as far as the surface is simple enough
         self.vertices = np.zeros((0, 9, 3), np.int32)
         self.weights = np.zeros((0, 9, 3), np.float32)
         self.places = np.zeros((0, 9, 3), np.float32)  #: lifted
@@ -50,22 +55,43 @@ class Grids:
 
     def _grow(self) -> None:
         """Room for seeds that joined."""
-        more = len(self.seeds) - len(self.reach)
+        more = len(self.seeds) - len(self.asked)
         if not more:
             return
-        for name in ("reach", "vertices", "weights", "places"):
+        for name in ("asked", "reach", "vertices", "weights", "places"):
             array = getattr(self, name)
             setattr(self, name, np.concatenate([array, np.zeros((more, *array.shape[1:]), array.dtype)]))
         fresh = _tangents(self.seeds.normals[-more:]).astype(np.float32)
         self.tangents = np.concatenate([self.tangents, fresh])
 
     def prepare(self, chosen: np.ndarray, reach: np.ndarray) -> None:
-        """chosen: (k,) numbers of seeds; reach: (k,) mesh units. What is there already is kept."""
+        """chosen: (k,) numbers of seeds; reach: (k,) mesh units. What is there already is kept. Where a grid of that
+        size would leave the surface it is made smaller, and the stroke shorter."""
         self._grow()
-        missing = np.flatnonzero(self.reach[chosen] != reach)
-        if not len(missing):
-            return
+        missing = np.flatnonzero(self.asked[chosen] != reach)
         which, reach = chosen[missing], reach[missing]
+        self.asked[which] = reach
+        for _ in range(HALVINGS + 1):
+            if not len(which):
+                return
+            self._lay(which, reach)
+            leaves = self._leaves_surface(which)
+            which, reach = which[leaves], 0.5 * reach[leaves]
+
+    def _leaves_surface(self, which: np.ndarray) -> np.ndarray:
+        """(k,) bool: whether what lies between the nodes sinks into the surface, or floats far above it."""
+        if self.mesh is None:
+            return np.zeros(len(which), bool)
+        nodes = np.ascontiguousarray(self.places[which].transpose(2, 1, 0))[:, :, None, :]
+        between = np.broadcast_to(BETWEEN.T[:, :, None], (2, len(BETWEEN), len(which)))
+        points = _at(nodes, between).transpose(2, 1, 0).reshape(-1, 3).astype(np.float64)
+        _, _, places, normals = self._nearest(points)
+        height = np.einsum("kd,kd->k", points - places, normals).reshape(len(which), -1)
+        lift = LIFT * self.surface.size
+        return ((height < LOWEST * lift) | (height > HIGHEST * lift)).any(axis=1)
+
+    def _lay(self, which: np.ndarray, reach: np.ndarray) -> None:
+        """Put the nodes of these grids onto the surface."""
         flat = np.einsum("na,kad->knd", NODES, self.tangents[which]) * reach[:, None, None]
         wanted = (self.seeds.positions[which][:, None] + flat).reshape(-1, 3)
         own = np.repeat(self.seeds.normals[which], 9, axis=0)
@@ -86,6 +112,10 @@ class Grids:
         if self.mesh is None:
             vertices = np.repeat(self.surface.triangles[self.seeds.faces[which]], 9, axis=0)
             return vertices, np.repeat(self.seeds.barycentric[which], 9, axis=0), wanted, own
+        return self._nearest(wanted)
+
+    def _nearest(self, wanted: np.ndarray):
+        """Vertices, barycentric coordinates, places and normals of the nearest points of the surface."""
         faces, barycentric, _ = self.mesh.closest_points(wanted)
         vertices = self.surface.triangles[faces]
         normals = np.einsum("kc,kcd->kd", barycentric, self.surface.normals[vertices])

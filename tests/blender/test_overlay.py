@@ -74,6 +74,22 @@ def test_seeds_are_spread_evenly_and_stay_when_finer_ones_join(surface, seeds):
     assert len(seeds) > 2 * len(before) and np.array_equal(seeds.positions[: len(before)], before)
 
 
+def test_a_part_behind_another_takes_none_of_its_places(surface):
+    from stormfield.ui.stroke_seeds import SeedLevels
+    from stormfield.ui.surface import Surface
+
+    inner = Surface(
+        np.concatenate([surface.vertices, 0.97 * surface.vertices]),
+        np.concatenate([surface.triangles, surface.triangles + len(surface.vertices)]),
+    )
+    numbers = []
+    for parts in (None, np.repeat([0, 1], len(surface.triangles))):
+        seeds = SeedLevels(inner, parts)
+        seeds.refine(0.1)
+        numbers.append((np.linalg.norm(seeds.positions, axis=1) > 0.98).sum())
+    assert numbers[1] > 1.45 * numbers[0]
+
+
 def test_strokes_follow_the_field_and_float_above_the_surface(surface, grids, seeds):
     from stormfield.ui.strokes import strokes
     from stormfield.ui.surface import LIFT
@@ -91,6 +107,34 @@ def test_strokes_follow_the_field_and_float_above_the_surface(surface, grids, se
     assert height.max() < 1.0 + 1.5 * LIFT * surface.size and height.min() > 0.995
     circles = np.ptp(drawn.points[:, :, 2], axis=1)  # each stays at its latitude
     assert circles.max() < 0.01
+
+
+def test_strokes_never_sink_into_a_bumpy_surface(native):
+    from stormfield.ui.stroke_seeds import SeedLevels
+    from stormfield.ui.strokes import Grids, strokes
+    from stormfield.ui.surface import Surface
+
+    bpy.ops.mesh.primitive_monkey_add()
+    monkey = bpy.context.object
+    monkey.modifiers.new("Smooth", "SUBSURF").levels = 2
+    mesh = monkey.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    mesh.calc_loop_triangles()
+    surface = Surface(
+        np.array([vertex.co for vertex in mesh.vertices], float),
+        np.array([triangle.vertices for triangle in mesh.loop_triangles], np.int32),
+    )
+    triangles = native.TriangleMesh(surface.vertices, surface.triangles)
+    seeds = SeedLevels(surface)
+    seeds.refine(0.15)
+    grids = Grids(surface, triangles, seeds)
+    chosen = np.arange(len(seeds))
+    grids.prepare(chosen, np.full(len(chosen), 0.2))
+    values = np.cross([0.3, 0.2, 1.0], surface.vertices).astype(np.float32)
+    points = strokes(grids, chosen, values).points.reshape(-1, 3).astype(float)
+    _, _, places, normals = grids._nearest(points)
+    above = np.einsum("kd,kd->k", points - places, normals)
+    assert (above > 0).mean() > 0.99
+    assert 0.05 < grids.reach.mean() < 0.2  # shorter only where it must be
 
 
 def test_strokes_turn_around_a_vortex_at_their_seed(surface, grids, seeds):
