@@ -6,7 +6,7 @@ from pathlib import Path
 import bpy
 from bpy.app.handlers import persistent
 
-from .scene.write import cache_files, cache_folders, mirror
+from .scene.write import cache_files, cache_folders, mirror, sequence_folders
 from .session import (
     coarse_mesh,
     found_caches,
@@ -28,6 +28,11 @@ from .ui import overlay
 def bring_caches_along(blend: str, *_):
     if blend:
         saves.begin(cache_folders.bring_along(blend))
+
+
+@persistent
+def name_sequences(*_):
+    sequence_folders.name_sequences()
 
 
 @persistent
@@ -131,6 +136,7 @@ HANDLERS = (
     ("save_pre", follow_all_meshes),
     ("save_pre", part_copied_objects),
     ("save_pre", bring_caches_along),
+    ("save_pre", name_sequences),
     ("save_pre", keep_lambda_without_addon),
     ("save_post", end_saving),
     ("save_post_fail", end_saving),

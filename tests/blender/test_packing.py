@@ -202,8 +202,16 @@ def test_a_moved_project_shows_the_same(project_with_sequences, tmp_path):
     assert different(before, seen(tmp_path)) == []
 
 
-@pytest.mark.parametrize("outside", [False, True], ids=["beside the scene", "outside the project"])
+OUTSIDE = pytest.mark.parametrize("outside", [False, True], ids=["beside the scene", "outside the project"])
+
+
+@OUTSIDE
 def test_blender_asset_tracer_packs_caches(project, tmp_path, outside):
+    check_packed(project, tmp_path, outside)
+
+
+def check_packed(project, tmp_path, outside):
+    """Packed into another folder, the original taken away, the scene shows the same."""
     pytest.importorskip("blender_asset_tracer")
     blend = project.blend
     if outside:
@@ -218,14 +226,26 @@ def test_blender_asset_tracer_packs_caches(project, tmp_path, outside):
     assert different(before, seen(tmp_path)) == []
 
 
-def test_blender_asset_tracer_packs_sequences(project_with_sequences, tmp_path):
-    tracer = pytest.importorskip("blender_asset_tracer")
-    if not tracer.__version__.startswith("1."):
-        pytest.skip("release 2 packs the first file of a sequence only, whoever made it")
-    project = project_with_sequences
-    opened(project.blend)
-    before = seen(tmp_path)
-    packed = pack(project.blend, tmp_path / "packed", tmp_path)
-    project.folder.rename(tmp_path / "gone")
-    opened(packed)
-    assert different(before, seen(tmp_path)) == []
+@OUTSIDE
+def test_blender_asset_tracer_packs_sequences(project_with_sequences, tmp_path, outside):
+    check_packed(project_with_sequences, tmp_path, outside)
+
+
+def test_sequences_are_named_as_folders_while_they_are_shown(project_with_sequences):
+    name = "Stormfield Sequences"
+    frames = {project_with_sequences.written[target] / "frames" for target in ("exr", "vdb")}
+
+    def named():
+        obj = bpy.data.objects.get(name)
+        bakes = obj.modifiers[0].bakes if obj is not None else ()
+        return {Path(bpy.path.abspath(bake.directory)) for bake in bakes}
+
+    assert named() == frames and not bpy.data.objects[name].users_scene
+    opened(project_with_sequences.blend)
+    assert named() == frames
+    bpy.data.volumes.remove(bpy.data.volumes["Band"])
+    bpy.ops.wm.save_mainfile()
+    assert named() == {project_with_sequences.written["exr"] / "frames"}
+    bpy.data.images.remove(next(image for image in bpy.data.images if image.source == "SEQUENCE"))
+    bpy.ops.wm.save_mainfile()
+    assert named() == set() and name not in bpy.data.node_groups and name not in bpy.data.meshes
