@@ -4,22 +4,23 @@
 edited = run(edit_steps(field, edits))       # field: native.ParameterizedField
 edited.field, edited.reports[0].status, edited.reports[0].reason
 
-An edit acts at the sample nearest to its λ. With a reach its change of the vectors fades out over the samples around;
-verified is the sample itself.
+An edit acts at the sample nearest to its λ. With a reach its change of the vectors fades out over the samples around.
+Verified is the sample itself; over λ the bifurcations before and after are counted, and new ones are said: a pair that
+is cancelled at one λ alone ends before it and begins again behind it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .. import native
 from ..model.edits import Edit
 from ..model.words import Json
-from ..work import Steps, scaled
-from .report import EditReport, not_applied
+from ..work import Steps, result_of, scaled
+from .report import OFF, EditReport, turned_off
 from .single import SampleEdit, edit_sample
 
 
@@ -38,21 +39,35 @@ def edit_steps(field: native.ParameterizedField, edits: Sequence[Edit]) -> Steps
     reports: list[EditReport] = []
     for number, edit in enumerate(edits):
         if not edit.enabled:
-            reports.append(not_applied(edit, "off", "the edit is turned off"))
+            reports.append(turned_off(edit))
             continue
+        before = values.copy()
         steps = _apply(field.mesh, lambdas, values, edit)
-        report = yield from scaled(steps, number / len(edits), (number + 1) / len(edits))
+        report = yield from scaled(steps, number / len(edits), (number + 0.5) / len(edits))
+        if len(lambdas) > 1 and not np.array_equal(before, values):
+            counting = _bifurcations(field.mesh, lambdas, (before, values))
+            count = yield from scaled(counting, (number + 0.5) / len(edits), (number + 1) / len(edits))
+            report = replace(report, bifurcations=count)
         reports.append(report)
     return EditedField(native.ParameterizedField(field.mesh, lambdas, values), tuple(reports))
 
 
+_HOW = {"applied": "applied in part", "refused": "refused"}
+
+
 def notes_of(reports: Sequence[EditReport]) -> tuple[str, ...]:
-    """One line for each edit that was refused, or applied in part."""
-    return tuple(
-        f"edit {number} ({report.type}) was {report.status}: {report.reason}"
-        for number, report in enumerate(reports, 1)
-        if report.reason and report.status != "off"
-    )
+    """One line for each edit that was refused, was applied in part, or made bifurcations."""
+    notes = []
+    for number, report in enumerate(reports, 1):
+        if report.reason and report.reason != OFF:
+            notes.append(f"edit {number} ({report.type}) was {_HOW[report.status]}: {report.reason}")
+        if report.new_bifurcations > 0:
+            count = report.new_bifurcations
+            notes.append(
+                f"edit {number} ({report.type}) makes {count} new bifurcation{'s' if count > 1 else ''} over λ; "
+                "give it another reach, or edit the whole life of the pair"
+            )
+    return tuple(notes)
 
 
 def _apply(mesh: native.TriangleMesh, lambdas: np.ndarray, values: np.ndarray, edit: Edit) -> Steps[EditReport]:
@@ -69,6 +84,18 @@ def _apply(mesh: native.TriangleMesh, lambdas: np.ndarray, values: np.ndarray, e
             values[j] = result.field.values
     _fade(lambdas, values, changes, edit.reach)
     return EditReport.of(edit, [float(lambdas[j]) for j in chosen], done)
+
+
+def _bifurcations(
+    mesh: native.TriangleMesh, lambdas: np.ndarray, both: tuple[np.ndarray, np.ndarray]
+) -> Steps[tuple[int, int]]:
+    """Numbers of bifurcations of two fields over λ."""
+    counts = []
+    for place, values in enumerate(both):
+        job = native.start_tracking(native.ParameterizedField(mesh, lambdas, values))
+        tracking = yield from result_of(job, 0.5 * place, "Following fixed points over λ", 0.5 * (place + 1))
+        counts.append(len(tracking.bifurcations))
+    return counts[0], counts[1]
 
 
 def _samples(lambdas: np.ndarray, lam: tuple[float, float]) -> list[int]:

@@ -13,26 +13,31 @@ from ..model.words import Json
 if TYPE_CHECKING:
     from .single import SampleEdit
 
-Status = Literal["applied", "in part", "refused", "off"]
+Status = Literal["applied", "refused"]
+#: The reason of an edit that its author has turned off.
+OFF = "it is turned off"
 
 
 @dataclass(frozen=True)
 class EditReport:
-    """status in part: at some of its samples, or not as far as asked. reason: why not, empty where all was done."""
+    """status applied: at one of its samples at least. reason: what was not done and why; empty where all was."""
 
     type: str
     status: Status
     reason: str
     lam: tuple[float, ...] = ()  #: the samples that were edited
     samples: tuple[SampleEdit, ...] = ()
+    bifurcations: tuple[int, int] | None = None  #: of the field over λ, before and after
+
+    @property
+    def new_bifurcations(self) -> int:
+        return 0 if self.bifurcations is None else self.bifurcations[1] - self.bifurcations[0]
 
     @staticmethod
     def of(edit: Edit, lambdas: Sequence[float], samples: Sequence[SampleEdit]) -> EditReport:
         applied = [sample for sample in samples if sample.applied]
         reasons = [sample.reason for sample in samples if sample.reason]
-        status: Status = "in part" if applied else "refused"
-        if len(applied) == len(samples) and not reasons:
-            status = "applied"
+        status: Status = "applied" if applied else "refused"
         return EditReport(edit.type, status, reasons[0] if reasons else "", tuple(lambdas), tuple(samples))
 
     def to_json(self) -> dict[str, Json]:
@@ -40,7 +45,7 @@ class EditReport:
         content: dict[str, Json] = {"type": self.type, "status": self.status, "reason": self.reason}
         if not self.samples:
             return content
-        first = self.samples[0]
+        first, counts = self.samples[0], self.bifurcations
         return {
             **content,
             "lam": list(self.lam),
@@ -48,6 +53,7 @@ class EditReport:
             "left": [{"kind": entity.kind, "at": list(entity.at)} for entity in first.left],
             "faces": list(first.faces),
             "fill": first.fill,
+            "bifurcations": None if counts is None else {"before": counts[0], "after": counts[1]},
             "change": {
                 "angle": max(sample.largest_angle for sample in self.samples),
                 "length": max(sample.largest_length for sample in self.samples),
@@ -55,5 +61,5 @@ class EditReport:
         }
 
 
-def not_applied(edit: Edit, status: Status, reason: str) -> EditReport:
-    return EditReport(edit.type, status, reason)
+def turned_off(edit: Edit) -> EditReport:
+    return EditReport(edit.type, "refused", OFF)

@@ -91,6 +91,9 @@ def test_a_pair_is_cancelled_at_its_sample_and_fades_over_the_reach(surface):
     assert (report.status, report.reason, report.lam) == ("applied", "", (0.5,))
     assert report.to_json()["index"] == [0, 0, 0] and report.to_json()["left"] == []
     assert native.fixed_points(edited.field.sample(2)) == []
+    # The pair ends before the middle and begins again behind it.
+    assert report.bifurcations == (0, 2) and report.to_json()["bifurcations"] == {"before": 0, "after": 2}
+    assert "makes 2 new bifurcations over λ" in notes_of(edited.reports)[0]
     changes = np.abs(np.asarray(edited.field.values) - np.asarray(field.values))
     assert (changes[0] == 0).all() and (changes[4] == 0).all()
     assert 0 < changes[1].max() < changes[2].max()
@@ -120,7 +123,7 @@ def test_what_is_gone_is_skipped_and_said_so(surface):
     none = {"type": "cancel", "entities": [{"kind": "source", "at": [0, 0, 0]}, SADDLE]}
     bad = {"type": "smooth", "region": {"faces": [99999]}}
     edited = finish(edit_steps(field, edits(CANCEL, CANCEL, far, none, bad, {**CANCEL, "enabled": False})))
-    assert [report.status for report in edited.reports] == ["applied", *["refused"] * 4, "off"]
+    assert [report.status for report in edited.reports] == ["applied", *["refused"] * 5]
     notes = notes_of(edited.reports)
     assert len(notes) == 4 and "edit 2 (cancel) was refused: the field has no sink here" in notes[0]
     assert "there is no face 99999" in notes[3]
