@@ -51,7 +51,8 @@ class Reading:
         parts += [f"{name} {value}" for name, value in self.selected.items()]
         if self.times:
             unit = f" {self.time_unit}" if self.time_unit else ""
-            parts.append(f"{len(self.times)} times, {self.times[0]} to {self.times[-1]}{unit}")
+            span = f"{len(self.times)} times, {self.times[0]} to {self.times[-1]}"
+            parts.append(f"{span if len(self.times) > 1 else f'time {self.times[0]}'}{unit}")
         parts += [f"unit {self.unit}"] if self.unit else []
         parts += [f"{count} {what}" for what, count in self.changes.items() if count]
         if self.tangent_share is not None:

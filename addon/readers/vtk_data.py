@@ -88,8 +88,10 @@ def surface_part(data: Any, name: str, where: str) -> RawSurface:
     cells that are left out are counted. where: the file. Raises InputError."""
     from vtkmodules.vtkFiltersCore import vtkTriangleFilter
 
-    if data.HasAnyGhostCells():
+    ghosts = data.GetNumberOfCells()
+    if data.HasAnyGhostCells() and hasattr(data, "RemoveGhostCells"):
         data.RemoveGhostCells()
+    ghosts -= data.GetNumberOfCells()
     polygons, changes, volume = _polygons(data)
     cut = vtkTriangleFilter()
     cut.PassVertsOff()
@@ -105,6 +107,7 @@ def surface_part(data: Any, name: str, where: str) -> RawSurface:
         raise InputError(f"{where}: {dropped} triangles of polygons that cross themselves are missing; repair those")
     other = int((corners > 3).sum()) + polygons.GetNumberOfStrips()
     changes |= {"polygons or strips cut into triangles": other, "faces without area dropped": dropped}
+    changes["ghost cells, which other parts have too, left out"] = ghosts
     return RawSurface(
         name=name,
         points=points,

@@ -22,6 +22,7 @@ from surface_cases import (
     second_order,
     with_data,
     write_mesh,
+    write_pvd,
     write_vtk,
     write_xdmf,
 )  # fmt: skip
@@ -501,6 +502,21 @@ def test_blocks_are_one_surface_and_those_left_out_are_named(capsys, tmp_path):
     content = analysis(capsys, write_vtk(tmp_path / "wall.vtm", blocks(**wall, inlet=far)))
     assert_right(content)
     assert content["read"]["notes"] == ["blocks without WSS left out: inlet"]
+
+
+def test_parts_that_overlap_in_ghost_cells_are_one_surface(capsys, tmp_path):
+    entries = []
+    up = CENTRES[:, 2]
+    for name, own, side in (("north", up >= 0, up > -0.3), ("south", up < 0, up < 0.3)):
+        ghost = {"vtkGhostType": (~own[side]).astype(np.uint8)}
+        part = grid(POINTS, TRIANGLES[side], [5] * side.sum(), {"WSS": WSS}, ghost)
+        entries.append((2.5, len(entries), write_vtk(tmp_path / f"{name}.vtu", part).name))
+    status, out, _ = run(capsys, "analyze", write_pvd(tmp_path / "wall.pvd", entries), "--json", "-")
+    content = json.loads(out)
+    assert status == 0
+    assert_right(content)
+    assert content["mesh"]["faces"] == len(TRIANGLES) and content["read"]["times"] == [2.5]
+    assert changes(content)["ghost cells, which other parts have too, left out"] > 0
 
 
 def test_a_block_given_twice_is_taken_once(capsys, tmp_path):
