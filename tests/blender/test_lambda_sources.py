@@ -317,3 +317,20 @@ def test_flowing_texture_is_that_of_the_frame_under_time_stretching(solved, scen
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     for frame in (2, 7, 9):
         assert np.abs(seen(solved, frame, "sf_phase_a") - cache.sample(frame - 1)["sf_phase_a"]).max() < 1e-5
+
+
+def test_the_command_line_bakes_the_lambda_that_is_seen(solved, scene, tmp_path, capfd):
+    import json
+
+    from stormfield.cli import main
+
+    slider(solved)
+    expected = [seen_lambda(solved, frame) for frame in range(1, 18)]
+    solved.data.uv_layers.new(name="Map")
+    solved.stormfield.bake.resolution = "256"
+    path = tmp_path / "shot.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    assert main(["bake", str(path), "--targets", "exr"]) == 0
+    assert "λ of 'Ball' comes from a driver" in capfd.readouterr().err
+    (manifest,) = path.parent.glob("stormfield_cache/Ball/exr-*/manifest.json")
+    assert np.allclose(json.loads(manifest.read_text())["settings"]["from"]["lambdas"], expected, atol=1e-6)
