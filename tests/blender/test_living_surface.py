@@ -367,3 +367,21 @@ def test_a_source_on_a_copy_of_an_array_acts_on_the_mesh_itself(arrow, scene):
     source.location = (2.25, 0.5, 0.0)
     bpy.context.view_layer.update()
     assert np.allclose(read(arrow)[0].points[0], (0.25, 0.5, 0.0), atol=1e-5)
+
+
+@pytest.mark.parametrize("x", [1.5, -1.5])
+def test_left_turns_left_on_the_half_of_a_mirror_where_it_lies(arrow, scene, x):
+    for vertex in arrow.data.vertices:
+        vertex.co.x += 1.5
+    arrow.modifiers.new("Mirror", "MIRROR")
+    element = arrow.stormfield.elements[0]
+    element.type, element.kind = "singular", "vortex_ccw"
+    element.source.location = (x, 0.0, 0.0)
+    bpy.context.view_layer.update()
+    assert np.allclose(read(arrow)[0].points[0], (1.5, 0.0, 0.0), atol=1e-5)
+    bpy.ops.stormfield.solve()
+    mesh = evaluated(arrow)
+    points, flow = np.array([vertex.co for vertex in mesh.vertices]), vectors(mesh)
+    away = points - (x, 0.0, 0.0)
+    near = (np.linalg.norm(away, axis=1) < 0.5) & (np.linalg.norm(away, axis=1) > 0.05)
+    assert (np.cross(away[near], flow[near])[:, 2] > 0).all()

@@ -33,6 +33,7 @@ class _Place:
 
     lines: tuple[np.ndarray, ...]
     lam: float
+    mirrored: bool = False  #: on a copy that a modifier of the field's object mirrors
 
 
 def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[MeshData, Design]:
@@ -54,7 +55,8 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
         for element in enabled:
             places = next(moving) if element.from_animation else [_place(surface, element, element.lam_start)]
             made = _elements(element, places)
-            elements.extend(each.mirrored() if mirrored else each for each in made)
+            exchanged = mirrored != places[0].mirrored
+            elements.extend(each.mirrored() if exchanged else each for each in made)
     return mesh, Design(
         elements=tuple(elements),
         settings=SolveSettings(
@@ -96,13 +98,15 @@ def _place(surface: SeenSurface, element, lam: float) -> _Place:
     to_mesh = surface.places.matrix_world(surface.obj).inverted_safe()
     source = surface.places.of(element.source)
     if element.source.type == "EMPTY":
-        return _Place((surface.arrow_at_rest(_empty_line(source, to_mesh, element.radius)),), lam)
+        arrow = _empty_line(source, to_mesh, element.radius)
+        return _Place((surface.arrow_at_rest(arrow),), lam, surface.is_mirrored_at(arrow[:1]))
     lines = read_polylines(source.object, source.depsgraph, to_mesh)
     if not lines:
         raise InputError(
             f"Element '{element.name}': '{element.source.name}' has no curve yet; draw one, or turn it off"
         )
-    return _Place(tuple(surface.line_at_rest(line) for line in lines), lam)
+    carried = tuple(surface.line_at_rest(line) for line in lines)
+    return _Place(carried, lam, surface.is_mirrored_at(lines[0]))
 
 
 def _empty_line(source: Placed, to_mesh: Matrix, radius: float) -> np.ndarray:

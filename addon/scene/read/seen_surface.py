@@ -42,6 +42,15 @@ class SeenSurface:
         self._seen: _Surface | None = None
         self._at_rest = np.zeros((0, 3))  #: of the vertices of `_seen`
 
+    def is_mirrored_at(self, line: np.ndarray) -> bool:
+        """Whether a line lies on a copy that a modifier mirrors, where left and right are exchanged."""
+        spots = self._spots(line)
+        if spots is None or self._rest is None:
+            return False
+        place, normal = spots[0].carried(self._at_rest), spots[0].normal(self._at_rest)
+        own = self._rest.nearest(place)
+        return bool(normal @ own.normal(self._rest.points) < 0.0)
+
     def line_at_rest(self, line: np.ndarray) -> np.ndarray:
         """(n, 3) points, carried together."""
         spots = self._spots(line)
@@ -92,6 +101,10 @@ class _Spot:
         """The point on the same triangle with other positions of the vertices, at the same height."""
         frame = _frame(positions[self.corners])
         return self.weights @ positions[self.corners] + self.height * frame[:, 2]
+
+    def normal(self, positions: np.ndarray) -> np.ndarray:
+        """Of the same triangle with other positions of the vertices."""
+        return _frame(positions[self.corners])[:, 2]
 
     def turned(self, vector: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """The vector as it is there, of the same length."""
