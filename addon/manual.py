@@ -22,7 +22,7 @@ OPERATORS = {
     ),
     "panels/elements": (
         *("draw_element", "finish_drawing", "add_elements", "place_element"),
-        *("remove_element", "move_element", "element_preset"),
+        *("remove_element", "move_element", "element_preset", "select_element"),
     ),
     "panels/solve": (
         *("solve", "add_preset", "select_faults", "transfer_field"),

@@ -2,11 +2,12 @@
 """The list of design elements: add from what is selected, place at the cursor, remove, move, preset."""
 
 import bpy
-from bpy.props import EnumProperty
+from bpy.props import EnumProperty, IntProperty
 from mathutils import Matrix
 
 from ..properties.element import KINDS, SOURCES, TYPES
 from ..scene.read.active_field import active_field
+from ..scene.write import selection
 from ..scene.write.elements import add_element, default_radius
 from .shared import ElementOperator, FieldOperator
 
@@ -133,6 +134,25 @@ class STORMFIELD_OT_remove_element(ElementOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
+class STORMFIELD_OT_select_element(FieldOperator, bpy.types.Operator):
+    """Select this element in the list, and its curve or empty in the view"""
+
+    bl_idname = "stormfield.select_element"
+    bl_label = "Select Element"
+    bl_options = {"UNDO", "INTERNAL"}
+
+    index: IntProperty(name="Element", description="Its place in the list (count)", min=0)
+
+    def execute(self, context):
+        obj = active_field(context)
+        if self.index >= len(obj.stormfield.elements):
+            self.report({"WARNING"}, f"There is no element {self.index}; choose one in the list")
+            return {"CANCELLED"}
+        obj.stormfield.active_element = self.index
+        selection.select_source(obj)
+        return {"FINISHED"}
+
+
 class STORMFIELD_OT_move_element(ElementOperator, bpy.types.Operator):
     """Move the active element in the list; the order changes names in messages only, never the field"""
 
@@ -172,6 +192,7 @@ CLASSES = (
     STORMFIELD_OT_add_elements,
     STORMFIELD_OT_place_element,
     STORMFIELD_OT_remove_element,
+    STORMFIELD_OT_select_element,
     STORMFIELD_OT_move_element,
     STORMFIELD_OT_element_preset,
 )

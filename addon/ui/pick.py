@@ -13,7 +13,7 @@ from mathutils import Vector
 
 from ..scene.read import results
 from ..scene.read.active_field import active_field
-from . import analysis_drawing, analysis_overlay, legend, marker_drawing, motion
+from . import analysis_drawing, analysis_overlay, element_drawing, legend, marker_drawing, motion
 
 #: How near the pointer must be to a marker and to a line (pixels at 100 % interface scale).
 REACH, LINE_REACH = 11.0, 6.0
@@ -46,6 +46,21 @@ def entity_at(context: bpy.types.Context, obj, evaluated, pointer) -> tuple[str,
         if not _hidden(context, evaluated, place):
             return which, index
     return None
+
+
+def element_at(context: bpy.types.Context, obj, evaluated, pointer) -> int | None:
+    """Place in the list of the element whose path, ring or sign is under the pointer, the nearest one."""
+    reach = LINE_REACH * context.preferences.system.ui_scale
+    found: list[tuple[float, int]] = []
+    for shape in element_drawing.drawing_of(evaluated).shapes:
+        ends = np.concatenate([shape.fixed, shape.at(evaluated.stormfield.lam)])
+        if not len(ends):
+            continue
+        away, places = _distance_to_lines(context, evaluated.matrix_world, ends, np.asarray(pointer, float))
+        nearest = int(np.argmin(away))
+        if away[nearest] < reach and not _hidden(context, evaluated, places[nearest]):
+            found.append((float(away[nearest]), shape.index))
+    return min(found)[1] if found else None
 
 
 def _lines_to_hit(obj):
@@ -84,7 +99,7 @@ def _hidden(context, evaluated, place: np.ndarray) -> bool:
 
 class STORMFIELD_GT_entities(bpy.types.Gizmo):
     bl_idname = "STORMFIELD_GT_entities"
-    __slots__ = ("hit", "on_legend")
+    __slots__ = ("element", "hit", "on_legend")
 
     def draw(self, _context):
         """Nothing: the overlay draws the entities."""
@@ -100,12 +115,19 @@ class STORMFIELD_GT_entities(bpy.types.Gizmo):
             return 0
         evaluated = obj.evaluated_get(context.view_layer.depsgraph)
         self.hit = entity_at(context, obj, evaluated, location)
-        return -1 if self.hit is None else 0
+        self.element = None
+        if self.hit is None and obj.stormfield.look.show_elements and context.mode == "OBJECT":
+            self.element = element_at(context, obj, evaluated, location)
+        return -1 if self.hit is None and self.element is None else 0
 
     def invoke(self, context, _event):
         if getattr(self, "on_legend", False):
             look = active_field(context).stormfield.look
             look.legend_folded = not look.legend_folded
+            return {"FINISHED"}
+        element = getattr(self, "element", None)
+        if element is not None:
+            bpy.ops.stormfield.select_element("INVOKE_DEFAULT", index=element)
             return {"FINISHED"}
         hit = getattr(self, "hit", None)
         if hit is None:

@@ -153,3 +153,42 @@ def test_drawing_changes_nothing_in_the_file(merging):
     before = {name: len(getattr(bpy.data, name)) for name in ("objects", "curves", "meshes")}
     drawing(merging)
     assert {name: len(getattr(bpy.data, name)) for name in before} == before
+
+
+@pytest.fixture
+def looking(monkeypatch):
+    """A view of 400 × 400 pixels along -Y onto the square from -2 to 2, without a window."""
+    from types import SimpleNamespace
+
+    from mathutils import Matrix
+    from stormfield.ui import pick
+
+    monkeypatch.setattr(pick, "_hidden", lambda _context, _evaluated, place: place[1] > 0.1)
+    turned = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
+    return SimpleNamespace(
+        region=SimpleNamespace(width=400, height=400),
+        region_data=SimpleNamespace(perspective_matrix=Matrix.Diagonal((0.5, 0.5, 0.1, 1.0)) @ turned),
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)),
+    )
+
+
+def test_a_click_on_a_path_or_ring_finds_its_element(merging, looking):
+    from stormfield.ui import pick
+
+    drawing(merging)
+    evaluated = merging.evaluated_get(bpy.context.evaluated_depsgraph_get())
+
+    def at(x, z):
+        found = pick.element_at(looking, merging, evaluated, (200 + 100 * x, 200 + 100 * z))
+        return None if found is None else merging.stormfield.elements[found].name
+
+    assert at(-0.35, 0.0) == "West" and at(0.35, 0.01) == "East" and at(0.0, 0.35) == "One"
+    assert at(-0.71, 0.2) == "West"  # its ring at λ 0
+    assert at(0.0, -0.5) is None
+
+
+def test_selecting_an_element_selects_its_source(merging):
+    bpy.context.view_layer.objects.active = merging
+    assert bpy.ops.stormfield.select_element(index=1) == {"FINISHED"}
+    assert bpy.context.view_layer.objects.active.name == "East" and merging.stormfield.active().name == "East"
+    assert bpy.ops.stormfield.select_element(index=7) == {"CANCELLED"}

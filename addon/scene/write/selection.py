@@ -41,10 +41,16 @@ def follow_graph(obj: bpy.types.Object, which: str) -> bool:
 def show_element(obj: bpy.types.Object) -> None:
     """The artist clicked an element in the list: select its source in the view. Scripts that set the list's active
     element change no selection."""
-    region, layer = bpy.context.region, bpy.context.view_layer
-    element = obj.stormfield.active()
+    region = bpy.context.region
+    if region is not None and region.type == "UI":
+        select_source(obj)
+
+
+def select_source(obj: bpy.types.Object) -> None:
+    """Select the source of the list's active element, in Object Mode."""
+    layer, element = bpy.context.view_layer, obj.stormfield.active()
     source = element.source if element is not None else None
-    if region is None or region.type != "UI" or source is None or source.name not in layer.objects:
+    if source is None or source.name not in layer.objects:
         return
     if bpy.context.mode != "OBJECT" or (layer.objects.active == source and source.select_get()):
         return
