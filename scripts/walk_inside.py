@@ -64,7 +64,7 @@ def answer_questions():
     question = FOLDER / f"{_asked}.py"
     if not question.is_file():
         return TICK
-    known = {"bpy": bpy, "view": view, "box": box, "under_pointer": under_pointer, "on_screen": on_screen}
+    known = {"bpy": bpy, "sys": sys, "view": view, "box": box, "under_pointer": under_pointer, "on_screen": on_screen}
     try:
         exec(compile(question.read_text(encoding="utf-8"), question.name, "exec"), known)
         told = {"answer": known.get("answer")}

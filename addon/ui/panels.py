@@ -91,7 +91,7 @@ class STORMFIELD_PT_elements(FieldPanel, bpy.types.Panel):
 
 
 #: Presets in a row of the panel.
-IN_A_ROW = 4
+IN_A_ROW = 3
 
 
 def _draw_presets(layout):
@@ -103,7 +103,7 @@ def _draw_presets(layout):
     grid = body.grid_flow(row_major=True, columns=IN_A_ROW, even_columns=True, even_rows=True, align=True)
     for key, (label, _text, _settings) in elements.PRESETS.items():
         cell = grid.column(align=True)
-        cell.template_icon(icon_value=pictures.of(key), scale=2.0)
+        cell.template_icon(icon_value=pictures.of(key), scale=1.5)
         cell.operator("stormfield.draw_element", text=label).preset = key
     row = body.row(align=True)
     row.menu("STORMFIELD_MT_add_selected", text="From Selected", icon="RESTRICT_SELECT_OFF")

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 
-def stroke(start, end):
+def stroke(start, end, closed=False):
     """One over the front of the ball, from one x to the other."""
     base = {"name": "", "mouse": (0, 0), "mouse_event": (0, 0), "pressure": 1, "size": 0, "time": 0, "x_tilt": 0}
     places = [(x, -((1 - x * x) ** 0.5), 0.0) for x in np.linspace(start, end, 8)]
     points = [base | {"y_tilt": 0, "is_start": not i, "location": place} for i, place in enumerate(places)]
-    assert bpy.ops.curve.draw(stroke=points, use_cyclic=False) == {"FINISHED"}
+    assert bpy.ops.curve.draw(stroke=points, use_cyclic=closed) == {"FINISHED"}
 
 
 def draw(*strokes):
@@ -68,6 +68,12 @@ def test_what_was_drawn_solves_into_a_merge(ball, native):
     bpy.context.view_layer.objects.active = ball
     ball.animation_data_clear()
     assert (turning(0.1), turning(0.95)) == (2, 1)
+
+
+def test_short_strokes_that_blender_has_closed_are_opened(ball):
+    draw((-0.8, -0.03, True), (0.8, 0.03, True))
+    assert len(ball.stormfield.elements) == 3
+    assert not any(e.source.data.splines[0].use_cyclic_u for e in ball.stormfield.elements if e.source.data)
 
 
 @pytest.mark.parametrize("strokes", [[(-0.5, 0.0)], [(-0.5, 0.0), (0.5, 0.0), (0.1, 0.3), (-0.2, 0.2)]])

@@ -29,8 +29,6 @@ def why_not(curve: bpy.types.Object) -> str:
         )
     if any(len(_points(spline)) < 2 for spline in curve.data.splines):
         return "A stroke of a merge is one point: draw it longer"
-    if any(spline.use_cyclic_u for spline in curve.data.splines):
-        return "A stroke of a merge is closed: end it away from where it begins"
     return ""
 
 
@@ -39,6 +37,8 @@ def split_into_merge(obj: bpy.types.Object, element: Any) -> list[Any]:
     are nearest to each other; the third stroke, or a point where none is drawn, goes on from there. The order of the
     strokes and the direction in which each was drawn do not matter."""
     curve, settings = element.source, {name: getattr(element, name) for name in ("type", "kind", "strength", "radius")}
+    for spline in curve.data.splines:  # Blender closes short strokes, whose ends are near on the screen
+        spline.use_cyclic_u = False
     curves = [curve, *(_alone(curve, number) for number in range(1, len(curve.data.splines)))]
     for spline in curve.data.splines[1:]:
         curve.data.splines.remove(spline)
