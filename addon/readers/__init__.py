@@ -14,7 +14,7 @@ from pathlib import Path
 from ..cache.layout import MANIFEST, OLD_STAGE, PLAN, STAGE
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
-from .choice import EARTH_RADIUS_KM, Choice
+from .choice import EARTH_RADIUS_KM, Choice, chosen_arrays
 from .field_data import FieldData, NoFieldError
 from .geography import Geography
 from .grids.opening import is_grid, is_pattern
@@ -71,15 +71,23 @@ def _not_a_surface(path: Path, choice: Choice) -> FieldData | None:
     if path.name in (STAGE, OLD_STAGE) or (path / MANIFEST).exists() or (path / PLAN).exists():
         from .cache_folder import read_cache
 
+        choice.check_without_grid(str(path))
+        if choice.vector is not None:
+            raise InputError(f"{path}: is a cache, whose fields are chosen by --attribute, not by --vector")
         return read_cache(path, choice.attribute)
     if ending == ".t":
         from .t_file import read_t
 
-        return read_t(path)
+        choice.check_without_grid(str(path))
+        found = read_t(path)
+        if choice.vector is not None:
+            chosen_arrays(choice.vector, found.read.choices, str(path))
+        return found
     if _is_grid(path):
         from .grids import read_grid
 
         return read_grid(path, choice)
+    choice.check_without_grid(str(path))
     return None
 
 

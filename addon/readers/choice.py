@@ -36,6 +36,14 @@ class Choice:
                 f"--radius {self.radius_km:g} is out of range; give kilometres, {EARTH_RADIUS_KM:g} for the earth"
             )
 
+    def check_without_grid(self, where: str) -> None:
+        """Raises InputError where something is chosen that only a grid has: no choice is left aside in silence."""
+        given = {**self.by_dimension, **({"times": self.times} if self.times else {})}
+        if given:
+            option = next(iter(given))
+            option = f"--{option}" if option in ("level", "member", "times") else f"--at {option}"
+            raise InputError(f"{where}: is no grid, and has nothing to choose by {option}; leave it out")
+
     @property
     def by_dimension(self) -> dict[str, str]:
         """The chosen values by "level", "member" or name of a dimension."""

@@ -697,3 +697,24 @@ def test_vtk_and_blender_share_a_process(tmp_path, first):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     assert_right(json.loads((tmp_path / "a.json").read_text()))
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        (("--level", "850"), "nothing to choose by --level"),
+        (("--member", "3"), "nothing to choose by --member"),
+        (("--times", "0", "1"), "nothing to choose by --times"),
+        (("--at", "depth=5"), "nothing to choose by --at depth"),
+    ],
+)
+def test_what_only_a_grid_has_is_not_left_aside_in_silence(capsys, tmp_path, option, words):
+    path = write_mesh(tmp_path / "a.vtu", POINTS, TRIANGLES, point_data={"U": WSS})
+    assert words in refused(capsys, "analyze", path, *option, "--json", "-")
+
+
+def test_an_array_that_a_t_file_does_not_have_is_refused(capsys, tmp_path):
+    rows = [f"{len(TRIANGLES)} {len(POINTS)}", *(" ".join(map(str, row)) for row in (*TRIANGLES, *POINTS, *WSS))]
+    (tmp_path / "a.t").write_text("\n".join(rows))
+    assert kinds(analysis(capsys, tmp_path / "a.t")) == KINDS
+    assert "has no array 'WSS'" in refused(capsys, "analyze", tmp_path / "a.t", "--vector", "WSS", "--json", "-")
