@@ -73,6 +73,15 @@ def begin(options: Options) -> None:
 
 def solve_and_bake(options: Options, obj: bpy.types.Object, name: str) -> Path:
     """Save, solve over λ, bake every frame, save again. Returns the .blend, which needs no add-on to render."""
+    return _save_after(options, obj, name, (bpy.ops.stormfield.solve, bpy.ops.stormfield.bake))
+
+
+def bake(options: Options, obj: bpy.types.Object, name: str) -> Path:
+    """The same of a field that is there already: imported, or of an attribute."""
+    return _save_after(options, obj, name, (bpy.ops.stormfield.bake,))
+
+
+def _save_after(options: Options, obj: bpy.types.Object, name: str, steps: tuple) -> Path:
     scene = bpy.context.scene
     scene.render.resolution_percentage = options.percentage
     if options.samples:
@@ -80,7 +89,7 @@ def solve_and_bake(options: Options, obj: bpy.types.Object, name: str) -> Path:
     blend = options.out / f"{name}.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     bpy.context.view_layer.objects.active = obj
-    for step in (bpy.ops.stormfield.solve, bpy.ops.stormfield.bake):
+    for step in steps:
         began = time.perf_counter()
         if step() != {"FINISHED"}:
             raise SystemExit(f"{step.idname_py()} did not finish")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_sets import data_set
 
 bpy = pytest.importorskip("bpy")
 pytest.importorskip("stormfield_native")
@@ -32,8 +33,10 @@ def pixels(path: Path) -> np.ndarray:
     return values.reshape(shape)[:, :, :3]
 
 
-@pytest.mark.parametrize("name", ["storm_merge", "storm_on_suzanne", "split", "two_fields"])
+@pytest.mark.parametrize("name", ["storm_merge", "storm_on_suzanne", "split", "two_fields", "hurricane"])
 def test_an_example_renders_a_texture_that_moves(name, tmp_path):
+    if name == "hurricane":
+        data_set("gfs_wind_michael_2018.npz")
     said = run(f"build_{name}.py", "--out", str(tmp_path), *SMALL)
     assert (tmp_path / f"{name}.blend").is_file()
     first, last = (pixels(tmp_path / "frames" / f"{name}_{frame:04d}.png") for frame in (1, 3))
