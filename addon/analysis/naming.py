@@ -6,7 +6,6 @@
 A fixed point belongs to the element within whose radius it lies. No Blender here.
 """
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -15,6 +14,8 @@ import numpy as np
 from .entities import EntityGraph
 from .tracking import TrackedPath, Tracking
 
+#: Most letters of a name: nodes have at most 63 bytes.
+LONGEST = 40
 #: λ at which paths are compared with elements.
 LOOKS = 21
 
@@ -36,7 +37,9 @@ class ElementPlace:
 
 
 def named_graph(graph: EntityGraph, places: Sequence[ElementPlace]) -> EntityGraph:
-    """The graph with the names of elements for the fixed points that are nearest to them; others keep theirs."""
+    """The graph with the names of elements for the fixed points that are nearest to them; others keep theirs.
+
+    Names stay unique: graph and list know entities by them."""
     names: dict[int, str] = {}
     for place in places:
         position = place.at(graph.lam)
@@ -46,19 +49,32 @@ def named_graph(graph: EntityGraph, places: Sequence[ElementPlace]) -> EntityGra
         nearest = min(points, key=lambda entity: float(np.linalg.norm(entity.position - position)))
         if np.linalg.norm(nearest.position - position) <= place.radius:
             names[nearest.id] = place.name
-    entities = tuple(replace(entity, name=names.get(entity.id, entity.name)) for entity in graph.entities)
-    return replace(graph, entities=entities)
+    taken = {entity.name for entity in graph.entities if entity.id not in names}
+    entities = []
+    for entity in graph.entities:
+        if entity.id in names:
+            entity = replace(entity, name=_unique(names[entity.id], taken))
+        entities.append(entity)
+    return replace(graph, entities=tuple(entities))
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    """The name, short enough for a node, with a number where it is taken; it is taken then."""
+    base, number = name[:LONGEST], 1
+    while (found := base if number == 1 else f"{base} ({number})") in taken:
+        number += 1
+    taken.add(found)
+    return found
 
 
 def named_tracking(tracking: Tracking, places: Sequence[ElementPlace]) -> Tracking:
     """The paths with the names of the elements that they follow, one after the other."""
-    taken: Counter[str] = Counter()
-    paths = []
-    for path in tracking.paths:
-        followed = _followed(path, places)
-        name = " → ".join(followed) or path.name
-        taken[name] += 1
-        paths.append(replace(path, name=name if taken[name] == 1 else f"{name} ({taken[name]})"))
+    followed = [_followed(path, places) for path in tracking.paths]
+    taken = {path.name for path, names in zip(tracking.paths, followed, strict=True) if not names}
+    paths = [
+        replace(path, name=_unique(" → ".join(names), taken)) if names else path
+        for path, names in zip(tracking.paths, followed, strict=True)
+    ]
     return replace(tracking, paths=tuple(paths))
 
 

@@ -108,3 +108,16 @@ def test_points_of_a_graph_carry_the_name_of_the_nearest_element(places):
     assert [entity.name for entity in named_graph(graph, places).entities] == ["West", "X1", "East", "X3"]
     late = EntityGraph("", points, (), 0.9)
     assert [entity.name for entity in named_graph(late, places).entities] == ["X0", "X1", "X2", "X3"]
+
+
+def test_names_stay_unique_and_short():
+    points = tuple(
+        Entity(i, name, "source", "repelling", np.array([float(i), 0, 0])) for i, name in enumerate(("R1", "R2", "S1"))
+    )
+    here = [(0.0, 0, 0), (1.0, 0, 0)]
+    places = [ElementPlace("S1", 0.2, np.array([0.0]), np.array([place]), (0.0, 1.0)) for place in here]
+    long = ElementPlace("x" * 80, 0.2, np.array([0.0]), np.array([[2.0, 0, 0]]), (0.0, 1.0))
+    names = [entity.name for entity in named_graph(EntityGraph("", points, (), 0.5), places).entities]
+    assert names == ["S1 (2)", "S1 (3)", "S1"]
+    names = [entity.name for entity in named_graph(EntityGraph("", points, (), 0.5), [long]).entities]
+    assert names[:2] == ["R1", "R2"] and names[2] == "x" * 40
