@@ -14,8 +14,8 @@ import numpy as np
 from .entities import EntityGraph
 from .tracking import TrackedPath, Tracking
 
-#: Most letters of a name: nodes have at most 63 bytes.
-LONGEST = 40
+#: Most bytes of a name, to which a number may come: nodes have at most 63.
+LONGEST = 54
 #: λ at which paths are compared with elements.
 LOOKS = 21
 
@@ -60,7 +60,7 @@ def named_graph(graph: EntityGraph, places: Sequence[ElementPlace]) -> EntityGra
 
 def _unique(name: str, taken: set[str]) -> str:
     """The name, short enough for a node, with a number where it is taken; it is taken then."""
-    base, number = name[:LONGEST], 1
+    base, number = name.encode()[:LONGEST].decode(errors="ignore"), 1
     while (found := base if number == 1 else f"{base} ({number})") in taken:
         number += 1
     taken.add(found)

@@ -120,4 +120,7 @@ def test_names_stay_unique_and_short():
     names = [entity.name for entity in named_graph(EntityGraph("", points, (), 0.5), places).entities]
     assert names == ["S1 (2)", "S1 (3)", "S1"]
     names = [entity.name for entity in named_graph(EntityGraph("", points, (), 0.5), [long]).entities]
-    assert names[:2] == ["R1", "R2"] and names[2] == "x" * 40
+    assert names[:2] == ["R1", "R2"] and names[2] == "x" * 54
+    wide = ElementPlace("嵐" * 30, 0.2, np.array([0.0]), np.array([[2.0, 0, 0]]), (0.0, 1.0))
+    name = named_graph(EntityGraph("", points, (), 0.5), [wide]).entities[2].name
+    assert name == "嵐" * 18 and len(name.encode()) == 54
