@@ -11,9 +11,9 @@ continues from there.
 from dataclasses import replace
 from pathlib import Path
 
+from ..cache.checksums import sha256
 from ..cache.field_cache import open_cache
 from ..cache.layout import MANIFEST
-from ..cache.store import sha256
 from ..model.design import Design
 from ..model.errors import InputError
 from ..model.words import Json

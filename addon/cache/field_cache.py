@@ -17,7 +17,7 @@ promises, in store.py.
 import itertools
 import os
 from collections.abc import Generator, Iterable, Mapping, Sequence
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -28,10 +28,11 @@ from ..model.polygons import Polygons
 from ..model.words import Json
 from ..work import Steps, with_message
 from . import usd
+from .checksums import known_sha256
 from .layout import MANIFEST, OLD_MESH, OLD_STAGE, STAGE
 from .manifest import Manifest, read_manifest
 from .plan import MeshIdentity, Plan
-from .store import CacheStore, Joint, sha256
+from .store import CacheStore, Joint
 
 Attributes = Mapping[str, np.ndarray]
 
@@ -248,21 +249,9 @@ class FieldCache:
         path = self.folder / name
         if not path.is_file():
             raise InputError(f"{path}: is missing; resume the bake to write it again")
-        if _checksum(path, *_version(path)) != self.manifest.files[name]:
+        if known_sha256(path) != self.manifest.files[name]:
             raise InputError(f"{path}: is damaged (its checksum differs from the manifest); resume the bake")
         return path
-
-
-def _version(path: Path) -> tuple[int, int, int, int]:
-    """Changes when the file does."""
-    status = path.stat()
-    return status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns
-
-
-@lru_cache(maxsize=64)
-def _checksum(path: Path, *_version: int) -> str:
-    """SHA-256 of a file, read once for each of its versions."""
-    return sha256(path)
 
 
 def open_cache(folder: str | os.PathLike) -> FieldCache:

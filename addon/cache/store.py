@@ -33,6 +33,7 @@ from typing import TypeVar
 
 from ..model.errors import InputError
 from ..work import between
+from .checksums import known_sha256, remember, sha256
 from .layout import MANIFEST, PLAN
 from .manifest import SHARED, read_manifest, read_plan
 from .plan import NAME, Plan, text
@@ -257,11 +258,17 @@ class CacheStore:
         return self._joint.name if self._joint is not None and name not in files else name
 
     def _is_there(self, name: str, files: Mapping[str, str]) -> bool:
-        """Whether a sample is whole, in a file of its own or in the joint, which is read once."""
+        """Whether a sample is whole, in a file of its own or in the joint."""
         holder = self._holder(name, files)
         if holder == name or holder not in files:
             return self._intact(name, files.get(name))
-        return self._all_intact({holder: files[holder]})
+        try:
+            whole = known_sha256(self.folder / holder) == files[holder]
+        except (FileNotFoundError, IsADirectoryError):
+            return False
+        if whole:
+            self._verified.add(holder)
+        return whole
 
     @contextlib.contextmanager
     def _or_written_elsewhere(self, name: str) -> Iterator[None]:
@@ -319,6 +326,7 @@ class CacheStore:
         if self._joint is not None and write_joint is not None:
             name = self._joint.name
             files = {name: (yield from self._atomic_in_steps(name, write_joint, checksum=False))}
+            remember(self.folder / name, files[name])
             self._verified.add(name)
         for parent in {(self.folder / name).parent for name in files}:
             _sync(parent)
@@ -462,11 +470,6 @@ def _read_if_there(path: Path, read: Callable[[Path], Content]) -> Content | Non
 def _write_text(path: Path, content: str) -> None:
     """The same bytes on every system."""
     path.write_text(content, encoding="utf-8", newline="\n")
-
-
-def sha256(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _sync(path: Path) -> None:

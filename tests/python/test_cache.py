@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stormfield.cache import usd
+from stormfield.cache import checksums, usd
 from stormfield.cache.field_cache import FieldCacheWriter, FrameCacheWriter, open_cache
 from stormfield.cache.store import delete_cache
 from stormfield.model.errors import InputError
@@ -427,3 +427,35 @@ def test_only_files_of_the_cache_are_deleted(mesh, baked, tmp_path):
 def test_a_deleted_cache_leaves_no_empty_folder(baked):
     delete_cache(baked)
     assert not baked.exists()
+
+
+# Checksums ---------------------------------------------------------------------------------------------------
+
+
+def test_what_was_written_is_not_read_again(mesh, tmp_path, monkeypatch):
+    read = []
+    real = checksums.sha256
+    monkeypatch.setattr(checksums, "sha256", lambda path: read.append(path.name) or real(path))
+    writer = FieldCacheWriter(tmp_path, mesh, LAMBDAS, SETTINGS, resume=True)
+    run(writer.write_all(sample(mesh, j) for j in range(len(LAMBDAS))))
+    assert FieldCacheWriter(tmp_path, mesh, LAMBDAS, SETTINGS, resume=True).missing() == []
+    open_cache(tmp_path).sample(1)
+    assert read == []
+    other = tmp_path / "copy"
+    shutil.copytree(tmp_path, other)
+    for _ in range(2):
+        open_cache(other).sample(1)
+    assert read == ["field.usdc"]
+
+
+def test_another_version_of_a_file_is_read(tmp_path):
+    path = tmp_path / "file"
+    for content in (b"one", b"two", b"three"):
+        path.write_bytes(content)
+        assert checksums.known_sha256(path) == hashlib.sha256(content).hexdigest()
+    (tmp_path / "new").write_bytes(b"seven")
+    (tmp_path / "new").replace(path)
+    assert checksums.known_sha256(path) == hashlib.sha256(b"seven").hexdigest()
+    path.unlink()
+    with pytest.raises(FileNotFoundError):
+        checksums.known_sha256(path)
