@@ -12,6 +12,8 @@ from .layout import FOLDER_NAME, OLD_FOLDERS
 
 #: Bytes that are searched at once, and those searched again because a name may lie across two parts.
 PART, OVERLAP = 8 << 20, 64
+#: What Blender writes last; a file without it is still being written, or was cut off.
+LAST_BLOCK = b"ENDB"
 GZIP, ZSTANDARD = b"\x1f\x8b", b"\x28\xb5\x2f\xfd"
 
 
@@ -28,7 +30,7 @@ def caches_named(blend: Path) -> frozenset[str] | None:
                 tail = text[-OVERLAP:]
     except (OSError, EOFError, zlib.error, ImportError, ValueError):
         return None
-    return frozenset(names)
+    return frozenset(names) if LAST_BLOCK in tail else None
 
 
 def blend_files(folder: Path, depth: int, limit: int) -> tuple[list[Path], bool]:
@@ -64,6 +66,19 @@ def _parts(file: BinaryIO) -> Iterator[bytes]:
 
 
 def _decompressed(file: BinaryIO) -> Iterator[bytes]:
+    try:
+        from compression import zstd  # Python 3.14
+    except ImportError:
+        yield from _decompressed_by_zstandard(file)
+        return
+    try:
+        with zstd.open(file) as content:
+            yield from iter(lambda: content.read(PART), b"")
+    except zstd.ZstdError as error:
+        raise ValueError(f"damaged: {error}") from error
+
+
+def _decompressed_by_zstandard(file: BinaryIO) -> Iterator[bytes]:
     import zstandard  # Blender brings it
 
     try:

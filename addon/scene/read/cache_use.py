@@ -89,7 +89,7 @@ def _reach(base: Path) -> _Reach:
     for blend in sorted({*below, *beside, *autosaves, *users}):
         names = caches_named(blend)
         if names is None:
-            doubt = f"{blend.name} may name it: it is not where it was, or cannot be read"
+            doubt = f"{blend.name} may need it, but {'cannot be read' if blend.exists() else 'is gone'}"
             continue
         for name in names:
             named.setdefault(name, blend.name)
