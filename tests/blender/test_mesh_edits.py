@@ -34,22 +34,28 @@ def in_edit_mode(obj, *operators):
 
 
 def select_some(obj, count):
+    """Select the first faces and nothing else."""
     bpy.ops.object.mode_set(mode="OBJECT")
-    for polygon in obj.data.polygons:
-        polygon.select = polygon.index < count
+    mesh = obj.data
+    for elements in (mesh.vertices, mesh.edges):
+        elements.foreach_set("select", np.zeros(len(elements), bool))
+    mesh.polygons.foreach_set("select", np.arange(len(mesh.polygons)) < count)
+    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
 
 
 def extrude(obj):
-    in_edit_mode(obj, lambda: bpy.ops.mesh.select_all(action="DESELECT"))
+    before = len(obj.data.polygons)
     select_some(obj, 1)
     move = {"value": (0, 0, 2)}
     in_edit_mode(obj, lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate=move))
+    assert len(obj.data.polygons) == before + 3
 
 
 def delete(obj):
-    in_edit_mode(obj, lambda: bpy.ops.mesh.select_all(action="DESELECT"))
     select_some(obj, 10)
+    before = len(obj.data.polygons)
     in_edit_mode(obj, lambda: bpy.ops.mesh.delete(type="FACE"))
+    assert len(obj.data.polygons) == before - 10
 
 
 def join(obj):
@@ -113,7 +119,7 @@ def test_both_halves_of_a_separated_mesh_are_seen(solved, seen):
     select_some(solved, 160)
     in_edit_mode(solved, lambda: bpy.ops.mesh.separate(type="SELECTED"))
     halves = [obj for obj in bpy.data.objects if obj.type == "MESH"]
-    assert len(halves) == 2
+    assert sorted(len(half.data.polygons) for half in halves) == [160, 1120]
     for half in halves:
         assert seen(half)[1] == len(half.data.polygons)
 
