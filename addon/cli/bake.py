@@ -78,6 +78,7 @@ def bake(
 def _bake(bpy: ModuleType, obj: Object, wanted: frozenset[TargetName], chunk: Chunk) -> None:
     from ..bake.job import check_task
     from ..scene.read.bake_task import read_bake_task
+    from ..scene.read.current_field import base_folder
     from ..scene.read.design import read_design
     from ..scene.read.lambda_source import why_sampled
     from ..scene.write import attach
@@ -93,9 +94,11 @@ def _bake(bpy: ModuleType, obj: Object, wanted: frozenset[TargetName], chunk: Ch
     why = why_sampled(obj)
     if why:
         click.echo(f"note: λ of '{obj.name}' comes from {why}; it was read at each frame", err=True)
-    mesh, design = read_design(bpy.context, obj)
-    folder = _joined_field(obj, mesh, design) if chunk.join else _solved_field(obj, mesh, design)
-    attach.show_solved(obj, folder)
+    folder = base_folder(obj)
+    if folder is None:
+        mesh, design = read_design(bpy.context, obj)
+        folder = _joined_field(obj, mesh, design) if chunk.join else _solved_field(obj, mesh, design)
+        attach.show_solved(obj, folder)
     if not wanted:
         return
     task = replace(task, cache=folder)

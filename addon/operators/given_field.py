@@ -15,7 +15,7 @@ from ..model.manifold import manifold
 from ..scene.read import folders
 from ..scene.read.attribute_field import at_rest, candidates, names_of, read_vectors
 from ..scene.read.mesh import read_mesh, read_polygons
-from ..scene.write import attach
+from ..scene.write import attach, doubts
 from ..scene.write.lambda_keys import key_lambda
 from ..session import running
 from ..work import Step, scaled
@@ -103,6 +103,7 @@ class STORMFIELD_OT_field_from_attribute(JobOperator, bpy.types.Operator):
         obj.stormfield.enabled = True
         attach.show_solved(obj, folder)
         obj.stormfield.solve.solved = ""  # no elements made it
+        doubts.keep(obj, ())
         if self.animated:
             key_lambda(obj, self._frames[0], self._frames[-1], context.scene.frame_current)
         of = f"over {len(self._frames)} frames" if self.animated else f"of frame {context.scene.frame_current}"

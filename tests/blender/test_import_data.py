@@ -132,3 +132,19 @@ def test_a_package_that_this_blender_lacks_is_named(native, tmp_path, monkeypatc
     with pytest.raises(RuntimeError, match=rf"needs the Python package {package}.*stormfield import"):
         bpy.ops.stormfield.import_data(filepath=str(tmp_path / name))
     assert not bpy.data.objects
+
+
+def test_the_command_line_bakes_an_imported_field_and_solves_nothing(native, wind, tmp_path, scene, capsys):
+    from stormfield.cli import main
+
+    scene.frame_end = 3
+    assert bpy.ops.stormfield.import_data(filepath=wind(), sphere_faces=1280) == {"FINISHED"}
+    obj = bpy.context.object
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "globe.blend"))
+    before = shown(obj)
+    assert main(["bake", str(tmp_path / "globe.blend"), "--targets", "usd", "--save"]) == 0
+    obj = bpy.data.objects["wind"]
+    assert "usd" in capsys.readouterr().out
+    bpy.context.scene.frame_set(1)
+    assert np.abs(shown(obj) - before).max() < 1e-6
+    assert np.isfinite(shown(obj, "sf_phase_a")).all()

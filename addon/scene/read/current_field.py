@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 from ...cache.field_cache import FieldCache, open_cache
+from ...cache.layout import MANIFEST
 from ...model.errors import InputError
 from ...model.manifold import Manifold, manifold
 from ...model.mesh_data import MeshData
@@ -80,3 +81,11 @@ def cache_of(obj: bpy.types.Object, mesh: MeshData) -> FieldCache:
     cache = open_cache(Path(folder))
     cache.check_mesh(mesh)
     return cache
+
+
+def base_folder(obj: bpy.types.Object) -> Path | None:
+    """The λ cache that the object shows, where its field was given and not solved: imported, or of an attribute."""
+    folder = attached_folder(obj, LAMBDA)
+    if folder is None or not (folder / MANIFEST).is_file():
+        return None
+    return folder if "base" in open_cache(folder).settings else None
