@@ -249,6 +249,8 @@ def merge(window: Window) -> dict[str, float]:
     seen = difference(shown, window.view_picture())
     window.ask("view()[1].spaces.active.overlay.show_overlays = True")
     claim(seen > 0.01, f"the field is seen: {seen:.2%} of the view's pixels are of the overlay")
+    time.sleep(SHADERS)
+    window.picture("clouds")
     claim(window.ask(SETTINGS) == before, "no setting of the scene has changed, and the cube is there")
     window.no_traceback()
     actions = window.actions - 1  # without the space bar that stopped it
@@ -314,8 +316,10 @@ for place in {places!r}:
 WALKS: dict[str, Callable[[Window], dict[str, float]]] = {"merge": merge, "own": own}
 
 
+#: Seconds that the window may take for the shaders of the clouds.
+SHADERS = 12.0
 #: Picture of the documentation → walk and step that it shows.
-PICTURES = {"walk_merge": ("merge", "moving"), "walk_own": ("own", "playing")}
+PICTURES = {"walk_merge": ("merge", "clouds"), "walk_own": ("own", "playing")}
 DOCS = ROOT / "docs" / "pictures"
 
 
