@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 BLENDER = os.environ.get("BLENDER", "blender")
 WIDTH, HEIGHT = 1920, 1080
 #: Seconds until Blender must have answered, and for its window to settle after an action.
-PATIENCE, SETTLE = 60.0, 0.35
+PATIENCE, SETTLE = 240.0, 0.35
 
 
 class WalkError(Exception):
