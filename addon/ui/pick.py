@@ -105,8 +105,9 @@ class STORMFIELD_GT_entities(bpy.types.Gizmo):
         """Nothing: the overlay draws the entities."""
 
     def test_select(self, context, location):
-        motion.pointer_moved(context)
         obj = active_field(context)
+        if obj is not None and obj.stormfield.look.show_motion and obj.stormfield.look.style != "NONE":
+            motion.pointer_moved(context)
         if obj is None or obj.mode == "EDIT":
             return -1
         box = legend.box_in(context.region)
