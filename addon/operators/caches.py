@@ -102,7 +102,7 @@ class STORMFIELD_OT_clean_caches(bpy.types.Operator):
 def why_kept(use: CacheUse) -> str:
     """Why a cache is not to be deleted; empty where it is of no use any more."""
     if not use.why_kept and is_recent(use) and not made_caches.is_made_here(use.folder):
-        return "written within the hour by another Blender, which may show it"
+        return "new: another Blender may show it"
     return use.why_kept
 
 
