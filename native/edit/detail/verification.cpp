@@ -1,7 +1,7 @@
 #include "edit/detail/verification.h"
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -39,7 +39,7 @@ bool sameOrbit(const PeriodicOrbit& a, const PeriodicOrbit& b, const std::vector
 /// A graph whose interval is one node.
 class Contracted {
  public:
-  Contracted(const Topology& topology, const Interval& interval) : interval_(interval) {
+  Contracted(const Topology& topology, const Interval& interval) {
     for (const EntityLink& link : topology.links) {
       if (interval.holds(link.source) && !interval.holds(link.target)) out_.insert(link.target);
       if (!interval.holds(link.source) && interval.holds(link.target)) in_.insert(link.source);
@@ -57,7 +57,6 @@ class Contracted {
   }
 
  private:
-  const Interval& interval_;
   std::set<EntityRef> in_, out_;
 };
 
