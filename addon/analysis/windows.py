@@ -65,7 +65,19 @@ def _path_json(path: Any) -> dict[str, Json]:
         "barycentric": path.barycentric.tolist(),
         "positions": path.positions.tolist(),
         "kinds": list(path.kinds),
-        "margins": path.margins,
+        "margins": {
+            **{name: getattr(path.margins, name) for name in ("first", "last", "first_certain", "last_certain")},
+            **{name: _changes_json(getattr(path.margins, name)) for name in ("before", "after")},
+        },
+    }
+
+
+def _changes_json(changes: Sequence[Any]) -> dict[str, Json]:
+    return {
+        "lambdas": [change.lam for change in changes],
+        "faces": [change.face for change in changes],
+        "barycentric": [change.barycentric.tolist() for change in changes],
+        "positions": [change.position.tolist() for change in changes],
     }
 
 

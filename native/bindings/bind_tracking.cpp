@@ -80,37 +80,7 @@ py::array_t<double> vectorArray(const Vec3& v) {
   return py::array_t<double>(3, v.data());
 }
 
-// Paths and bifurcations as plain values, there and back -----------------------------------------------------------
-
-py::dict changesOf(const std::vector<StabilityChange>& changes) {
-  std::vector<double> lambdas;
-  std::vector<Index> faces;
-  std::vector<std::array<double, 3>> barycentric, positions;
-  for (const StabilityChange& c : changes) {
-    lambdas.push_back(c.lambda);
-    faces.push_back(c.point.face);
-    barycentric.push_back({c.point.barycentric[0], c.point.barycentric[1], c.point.barycentric[2]});
-    positions.push_back({c.position[0], c.position[1], c.position[2]});
-  }
-  py::dict result;
-  result["lambdas"] = lambdas;
-  result["faces"] = faces;
-  result["barycentric"] = barycentric;
-  result["positions"] = positions;
-  return result;
-}
-
-py::dict marginsOf(const PathView& view) {
-  const StabilityMargins& margins = view.path().margins;
-  py::dict result;
-  result["first"] = margins.first;
-  result["last"] = margins.last;
-  result["first_certain"] = margins.firstCertain;
-  result["last_certain"] = margins.lastCertain;
-  result["before"] = changesOf(margins.before);
-  result["after"] = changesOf(margins.after);
-  return result;
-}
+// Paths and bifurcations from plain values -----------------------------------------------------------
 
 Vec3 vectorFrom(const py::handle& values) {
   const auto v = py::cast<std::array<double, 3>>(values);
@@ -169,6 +139,29 @@ std::shared_ptr<Tracking> trackingFrom(const std::vector<py::dict>& paths, const
   return result;
 }
 
+void bindMargins(py::module_& m) {
+  py::class_<StabilityChange>(m, "StabilityChange", py::module_local(),
+                              "Where the trace of the Jacobian changes its sign. Immutable.")
+      .def_readonly("lam", &StabilityChange::lambda, "Where on the lambda axis, 0 to 1.")
+      .def_property_readonly(
+          "face", [](const StabilityChange& c) { return c.point.face; }, "Face that holds the point.")
+      .def_property_readonly(
+          "barycentric", [](const StabilityChange& c) { return vectorArray(c.point.barycentric); }, "(3,) float64.")
+      .def_property_readonly(
+          "position", [](const StabilityChange& c) { return vectorArray(c.position); }, "(3,) float64, mesh units.");
+  py::class_<StabilityMargins>(m, "StabilityMargins", py::module_local(),
+                               "What joining a path to its continuation needs to judge Hopf bifurcations. Signs of the "
+                               "trace are\n+1, a source, -1, a sink, or 0 where there is none. Immutable.")
+      .def_readonly("first", &StabilityMargins::first, "Sign of the first trace that is not zero.")
+      .def_readonly("last", &StabilityMargins::last, "Sign of the last trace that is not zero.")
+      .def_readonly("first_certain", &StabilityMargins::firstCertain,
+                    "Sign of the first trace whose damping ratio exceeds hopf_damping.")
+      .def_readonly("last_certain", &StabilityMargins::lastCertain, "Sign of the last one.")
+      .def_readonly("before", &StabilityMargins::before,
+                    "List of StabilityChange before the first certain sample; all where none is certain.")
+      .def_readonly("after", &StabilityMargins::after, "List of StabilityChange after the last certain sample.");
+}
+
 void bindPath(py::module_& m) {
   py::class_<PathView>(m, "TrackedPath", py::module_local(), "One fixed point over lambda: k samples. Immutable.")
       .def_property_readonly(
@@ -215,10 +208,8 @@ void bindPath(py::module_& m) {
           "(k, 3) float64, coordinates in the faces.")
       .def_property_readonly("kinds", &kinds, "Kind at each sample.")
       .def_property_readonly(
-          "margins", &marginsOf,
-          "What joining it to its continuation needs to judge Hopf bifurcations: signs of the trace, +1 or -1, or 0\n"
-          "where there is none, first, last, first_certain and last_certain; its changes before and after the certain "
-          "ones.")
+          "margins", [](const PathView& v) { return v.path().margins; },
+          "StabilityMargins of a path of index +1, as it was tracked.")
       .def("__repr__", [](const PathView& v) {
         const TrackedPath& path = v.path();
         return message("<TrackedPath ", name(path.kind), " from ", path.samples.front().lambda, " to ",
@@ -248,6 +239,7 @@ void bindBifurcation(py::module_& m) {
 }  // namespace
 
 void bind_tracking(py::module_& m) {
+  bindMargins(m);
   bindPath(m);
   bindBifurcation(m);
   py::class_<Tracking, std::shared_ptr<Tracking>>(m, "Tracking", py::module_local(),

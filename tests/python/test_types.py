@@ -30,7 +30,7 @@ SHAPE = rf"\({LENGTH},(?: {LENGTH},?)*\)"
 @cache
 def stubs() -> ast.Module:
     """The stub package that is installed beside the module."""
-    (folder,) = importlib.util.find_spec("stormfield_native-stubs").submodule_search_locations
+    folder = next(iter(importlib.util.find_spec("stormfield_native-stubs").submodule_search_locations))
     return ast.parse((Path(folder) / "__init__.pyi").read_text(encoding="utf-8"))
 
 
