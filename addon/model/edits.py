@@ -7,6 +7,7 @@ edits[0].type, edits[0].entities, edits[0].lam
 An edit names its entities by kind and place, so that it survives another solve of the design.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -76,6 +77,9 @@ def edits_from_json(data: Json) -> tuple[Edit, ...]:
 
 def _edit(data: Mapping[str, Json], where: str) -> Edit:
     kind = data["type"]
+    wrong = next((name for name, value in data.items() if not _finite(value)), None)
+    if wrong is not None:
+        raise InputError(f"{where}: {wrong} has a number that is not finite: give finite numbers")
     missing = next((name for name in NEEDS[kind] if name not in data), None)
     if missing is not None:
         raise InputError(f"{where}: {kind} needs {missing}: add it")
@@ -101,6 +105,15 @@ def _edit(data: Mapping[str, Json], where: str) -> Edit:
         enabled=data.get("enabled", True),
         given=tuple(data.items()),
     )
+
+
+def _finite(value: Json) -> bool:
+    """Whether all numbers in a value are finite; JSON as Python reads it may hold NaN."""
+    if isinstance(value, dict):
+        return all(map(_finite, value.values()))
+    if isinstance(value, list):
+        return all(map(_finite, value))
+    return not isinstance(value, float) or math.isfinite(value)
 
 
 def _range(lam: Json, kind: EditType, where: str) -> tuple[float, float]:

@@ -69,6 +69,8 @@ def over_lambda(surface, samples=5):
         ({"type": "smooth", "region": {"center": [0, 0, 0]}}, "is not one of center with radius"),
         ({"type": "smooth", "region": {"faces": [1]}, "lam": [0.5, 0.1]}, "from 0.5 back to 0.1"),
         ({"type": "simplify"}, "simplify needs epsilon or keep"),
+        ({"type": "simplify", "epsilon": float("nan")}, "epsilon has a number that is not finite"),
+        ({"type": "move", "entity": {"kind": "sink", "at": [0, float("nan"), 0]}, "to": [0, 0, 0]}, "not finite"),
         ({"type": "twist"}, 'is "twist": use one of cancel, move, smooth, simplify'),
         ({"kind": "sink"}, "type is missing"),
     ],
