@@ -1,5 +1,5 @@
 # Toolchain of the wheels (scripts/build_wheels.py): Clang from ziglang with the libraries of every platform.
-# STORMFIELD_ZIG_TARGET is zig's target, STORMFIELD_ZIG_TOOLS the folder of the commands cc, c++, ar and ranlib for it.
+# STORMFIELD_ZIG_TARGET is zig's target, STORMFIELD_ZIG_TOOLS the folder of the commands cc, c++, ar, ranlib and windres for it.
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES STORMFIELD_ZIG_TARGET STORMFIELD_ZIG_TOOLS)
 if(STORMFIELD_ZIG_TARGET MATCHES "windows")
   set(CMAKE_SYSTEM_NAME Windows)
@@ -12,6 +12,7 @@ endif()
 string(REGEX MATCH "^[^-]+" CMAKE_SYSTEM_PROCESSOR "${STORMFIELD_ZIG_TARGET}")
 set(CMAKE_C_COMPILER ${STORMFIELD_ZIG_TOOLS}/cc)
 set(CMAKE_CXX_COMPILER ${STORMFIELD_ZIG_TOOLS}/c++)
+set(CMAKE_RC_COMPILER ${STORMFIELD_ZIG_TOOLS}/windres)
 set(CMAKE_AR ${STORMFIELD_ZIG_TOOLS}/ar)
 set(CMAKE_RANLIB ${STORMFIELD_ZIG_TOOLS}/ranlib)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)

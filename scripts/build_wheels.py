@@ -59,7 +59,7 @@ PLATFORMS = {
         "aarch64-macos.11.0",
         "macosx_11_0_arm64",
         ".cpython-{python}-darwin.so",
-        ("-Wl,-undefined,dynamic_lookup", "-s"),
+        ("-Wl,-undefined,dynamic_lookup",),
     ),
     "windows-x64": Platform("x86_64-windows-gnu", "win_amd64", ".cp{python}-win_amd64.pyd", ("-s",)),
 }
@@ -119,6 +119,10 @@ def make_commands(platform: Platform, folder: Path) -> None:
         path = folder / name
         path.write_text(f'#!/bin/sh\nexec {zig} {command} "$@"\n')
         path.chmod(0o755)
+    # oneTBB names its version in a resource, for which there is no place in a static library.
+    resources = folder / "windres"
+    resources.write_text(f'#!/bin/sh\nfor output; do :; done\nexec {zig} cc {flags} -c -x c /dev/null -o "$output"\n')
+    resources.chmod(0o755)
 
 
 def cmake(source: Path, build_folder: Path, platform: Platform, *options: str, target: str = "all") -> None:
@@ -232,25 +236,39 @@ def python_package(python: str) -> Path:
 def python_headers(name: str, python: str) -> list[Path]:
     """Folders of the headers."""
     usr = python_package(python)
-    shared = usr / "include" / f"python{python}"
-    if name == "windows-x64":
-        return [windows_config(python), shared]
-    # Its pyconfig.h includes that of a 64 bit Unix; what differs on macOS no extension module asks for.
-    return [shared, usr / "include"]
+    if name == "linux-x64":
+        return [usr / "include" / f"python{python}", usr / "include"]
+    config = windows_config(python) if name == "windows-x64" else macos_config(python)
+    # Python.h takes the pyconfig.h beside it, whatever folders are searched.
+    folder = WORK / f"python-{python}-{name}"
+    shutil.copytree(usr / "include" / f"python{python}", folder, dirs_exist_ok=True)
+    (folder / "pyconfig.h").write_bytes(config)
+    return [folder, usr / "include"] if name == "macos-arm64" else [folder]
 
 
-def windows_config(python: str) -> Path:
-    """A folder with the pyconfig.h that python.org's Windows builds use, from Python's own source."""
-    folder = WORK / f"python-{python}-windows"
-    if not (folder / "pyconfig.h").exists():
+def macos_config(python: str) -> bytes:
+    """pyconfig.h: what Linux says of a 64 bit Unix, but for the type of thread keys; what else differs no header asks
+    for."""
+    return f"""#include <x86_64-linux-gnu/python{python}/pyconfig.h>
+#undef PTHREAD_KEY_T_IS_COMPATIBLE_WITH_INT
+#undef SIZEOF_PTHREAD_KEY_T
+#define SIZEOF_PTHREAD_KEY_T 8
+""".encode()
+
+
+def windows_config(python: str) -> bytes:
+    """The pyconfig.h that python.org's Windows builds use, from Python's own source."""
+    folder = WORK / f"python-{python}-source"
+    config = folder / "pyconfig.h"
+    if not config.exists():
         run([ROOT / "scripts" / "debian_fetch.sh", "source", f"python{python}", folder, PYTHONS[python]])
         with tarfile.open(next(folder.glob("python*.orig.tar.*"))) as packed:
             members = [m for m in packed.getmembers() if re.fullmatch(r"[^/]+/PC/pyconfig\.h(\.in)?", m.name)]
             text = packed.extractfile(members[0]).read()
-        (folder / "pyconfig.h").write_bytes(text)
+        config.write_bytes(text)
         for archive in folder.glob("python3*"):
             archive.unlink()
-    return folder
+    return config.read_bytes()
 
 
 def import_library(folder: Path, python: str) -> Path:

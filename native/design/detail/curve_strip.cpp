@@ -22,10 +22,10 @@ OnCurve onSegment(const std::vector<Vec3>& curve, std::size_t k, const Vec3& x) 
   return {k, fraction, (x - curve[k] - fraction * along).norm()};
 }
 
-OnCurve closestFrom(const std::vector<Vec3>& curve, std::size_t near, const Vec3& x) {
-  OnCurve best = onSegment(curve, near, x);
+OnCurve closestFrom(const std::vector<Vec3>& curve, std::size_t start, const Vec3& x) {
+  OnCurve best = onSegment(curve, start, x);
   for (const int step : {1, -1}) {
-    for (std::ptrdiff_t k = static_cast<std::ptrdiff_t>(near) + step;
+    for (std::ptrdiff_t k = static_cast<std::ptrdiff_t>(start) + step;
          k >= 0 && k + 1 < static_cast<std::ptrdiff_t>(curve.size()); k += step) {
       const OnCurve next = onSegment(curve, static_cast<std::size_t>(k), x);
       if (next.distance > best.distance) break;
@@ -64,8 +64,8 @@ std::vector<StripEntry> curveStrip(const VertexCharts& charts, const SurfacePath
   std::map<Index, Reached> reached;
   using Item = std::pair<double, Index>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
-  const auto reach = [&](Index v, std::size_t near, bool onCurve) {
-    const OnCurve foot = closestFrom(curve, near, mesh.point(v));
+  const auto reach = [&](Index v, std::size_t start, bool onCurve) {
+    const OnCurve foot = closestFrom(curve, start, mesh.point(v));
     if (!onCurve && foot.distance >= halfWidth) return;
     const auto [it, isNew] = reached.try_emplace(v, Reached{foot, onCurve});
     it->second.onCurve = it->second.onCurve || onCurve;

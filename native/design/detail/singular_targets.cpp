@@ -104,11 +104,11 @@ void SingularTargets::findAxis(SingularTrack& a, SingularTrack& b, const Junctio
   const TriangleMesh& mesh = charts_.mesh();
   const double edge = meanEdge(mesh, query_.closest(junction.point).point.face);
   const bool merge = junction.kind == Junction::Kind::Merge;
-  const double far = merge ? std::max(a.span.start, b.span.start) : std::min(a.span.end, b.span.end);
+  const double otherEnd = merge ? std::max(a.span.start, b.span.start) : std::min(a.span.end, b.span.end);
   constexpr int kSteps = 2000;
   Vec3 axis = Vec3::Zero();
   for (int k = 0; k <= kSteps && axis.norm() < edge; ++k) {
-    const double lambda = junction.lambda + (far - junction.lambda) * k / kSteps;
+    const double lambda = junction.lambda + (otherEnd - junction.lambda) * k / kSteps;
     axis = a.path.positionAt(lambda) - b.path.positionAt(lambda);
   }
   if (axis.norm() < edge)
@@ -205,12 +205,12 @@ double SingularTargets::addPair(ActiveElement a, ActiveElement b, LogMapScratch&
   pair.distance = mapA->distance(mesh, b.state.point);
   const double joint = pair.joint();
   if (!(joint > 0.0)) return 1.0;
-  const double far = pair.distance + largest;
-  const std::shared_ptr<const LogMap> mapB = recentLogMap(charts_, b.state.point, far, scratch);
+  const double bothReach = pair.distance + largest;
+  const std::shared_ptr<const LogMap> mapB = recentLogMap(charts_, b.state.point, bothReach, scratch);
   const double touch = a.state.radius / (a.state.radius + b.state.radius);
   const double fraction = touch + pair.closeness() * (0.5 - touch);
   const SurfacePoint saddle = placed ? placed->saddle : between(mesh, query_, *mapA, *mapB, pair.distance, fraction);
-  const std::shared_ptr<const LogMap> mapSaddle = recentLogMap(charts_, saddle, far, scratch);
+  const std::shared_ptr<const LogMap> mapSaddle = recentLogMap(charts_, saddle, bothReach, scratch);
   const double share = joint * std::min(a.share, b.share);
   // Smoothing moves three zeros a few edges apart onto each other: their weights grow as the pair closes.
   constexpr double kWeightWhenClose = 30.0;

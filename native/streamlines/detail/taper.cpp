@@ -41,9 +41,9 @@ std::vector<std::vector<double>> taperLines(const TriangleMesh& mesh, const std:
     for (std::size_t k = 0; k < line.points.size(); ++k) {
       if (progress != nullptr) progress->check();
       const LinePoint& p = line.points[k];
-      const auto near = samples.nearest(p.position, p.point.face, rules.distance, patches.local(), isEarlier);
-      if (!near) continue;
-      const double room = (near->distance - rules.testDistance) / (rules.distance - rules.testDistance);
+      const auto neighbour = samples.nearest(p.position, p.point.face, rules.distance, patches.local(), isEarlier);
+      if (!neighbour) continue;
+      const double room = (neighbour->distance - rules.testDistance) / (rules.distance - rules.testDistance);
       result[i][k] *= kCrowded + (1.0 - kCrowded) * std::clamp(room, 0.0, 1.0);
     }
   });
