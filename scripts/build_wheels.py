@@ -28,7 +28,15 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 WORK = ROOT / "build" / "wheels"
 MODULE = "stormfield_native"
-TOOLS = ("ziglang==0.17.1", "pybind11==3.1.0", "cmake>=3.25", "ninja", "auditwheel==6.8.2")
+TOOLS = (
+    "ziglang==0.17.1",
+    "pybind11==3.1.0",
+    "cmake>=3.25",
+    "ninja",
+    "auditwheel==6.8.2",
+    "macholib==1.16.4",
+    "pefile==2024.8.26",
+)
 #: Python that Blender 4.5, Blender 5.2 and Debian's Blender have, and the release of Debian that has its headers.
 PYTHONS = {"3.11": "bookworm", "3.13": "trixie", "3.14": "sid"}
 TBB_SHA256 = "7e9111b8bb59c8800bf6d0b06afe7b0891937443d2dae1ee1101c8e2ede6a7ef"  # 2021.8.0, of bookworm
@@ -59,7 +67,7 @@ PLATFORMS = {
         "aarch64-macos.11.0",
         "macosx_11_0_arm64",
         ".cpython-{python}-darwin.so",
-        ("-Wl,-undefined,dynamic_lookup",),
+        ("-Wl,-undefined,dynamic_lookup", "-s"),
     ),
     "windows-x64": Platform("x86_64-windows-gnu", "win_amd64", ".cp{python}-win_amd64.pyd", ("-s",)),
 }
@@ -89,6 +97,8 @@ def build(name: str, pythons: list[str], output: Path) -> list[Path]:
         wheel = pack(module, platform, python, output)
         if name == "linux-x64":
             check_linux(wheel)
+        else:
+            check_other(wheel)
         wheels.append(wheel)
     return wheels
 
@@ -172,7 +182,7 @@ def tbb_source() -> Path:
     folder = WORK / "source"
     if not any(folder.glob("oneTBB-*")):
         run([ROOT / "scripts" / "debian_fetch.sh", "source", "onetbb", folder, "bookworm"])
-        archive = next(folder.glob("onetbb_*.orig.tar.*"))
+        archive = next(path for path in folder.glob("onetbb_*.orig.tar.*") if path.suffix != ".asc")
         if hashlib.sha256(archive.read_bytes()).hexdigest() != TBB_SHA256:
             sys.exit(f"{archive.name}: is another oneTBB than the one that was checked; update TBB_SHA256 after a look")
         with tarfile.open(archive) as packed:
@@ -262,7 +272,7 @@ def windows_config(python: str) -> bytes:
     config = folder / "pyconfig.h"
     if not config.exists():
         run([ROOT / "scripts" / "debian_fetch.sh", "source", f"python{python}", folder, PYTHONS[python]])
-        with tarfile.open(next(folder.glob("python*.orig.tar.*"))) as packed:
+        with tarfile.open(next(path for path in folder.glob("python*.orig.tar.*") if path.suffix != ".asc")) as packed:
             members = [m for m in packed.getmembers() if re.fullmatch(r"[^/]+/PC/pyconfig\.h(\.in)?", m.name)]
             text = packed.extractfile(members[0]).read()
         config.write_bytes(text)
@@ -333,11 +343,7 @@ def digest(data: bytes) -> str:
 
 def check_linux(wheel: Path) -> None:
     """Ends with a message unless the wheel keeps what its tag promises."""
-    folder = WORK / "checked"
-    shutil.rmtree(folder, ignore_errors=True)
-    with zipfile.ZipFile(wheel) as packed:
-        packed.extractall(folder)
-    module = next(folder.glob(f"{MODULE}.*.so"))
+    module = unpacked(wheel)
     faults = faults_of(run(["readelf", "-dW", module]), run(["readelf", "--dyn-syms", "-W", module]))
     if module.stat().st_size > MAX_BYTES:
         faults.append(f"the module has {module.stat().st_size} bytes, more than {MAX_BYTES}")
@@ -347,6 +353,39 @@ def check_linux(wheel: Path) -> None:
         faults.append(f"auditwheel does not find it fit for manylinux_2_28: {' '.join(shown.split())}")
     if faults:
         sys.exit(f"{wheel.name}: " + "; ".join(faults))
+
+
+#: Libraries of the other systems that a wheel may need: what every macOS and every Windows 10 has, and Python.
+SYSTEM = re.compile(r"/usr/lib/libSystem\.B\.dylib|KERNEL32\.dll|api-ms-win-crt-[\w-]+\.dll|python3\d+\.dll", re.I)
+#: Prints the libraries that a module needs, a line each.
+LIST_LIBRARIES = """
+import sys
+if sys.argv[1].endswith(".so"):
+    from macholib.MachO import MachO
+    names = {name for header in MachO(sys.argv[1]).headers for _, _, name in header.walkRelocatables()}
+else:
+    import pefile
+    names = {entry.dll.decode() for entry in pefile.PE(sys.argv[1]).DIRECTORY_ENTRY_IMPORT}
+print("\\n".join(sorted(names)))
+"""
+
+
+def check_other(wheel: Path) -> None:
+    """Ends with a message if the module needs a library that not every machine of its system has."""
+    module = unpacked(wheel)
+    needed = run([tool("python"), "-c", LIST_LIBRARIES, module]).split()
+    strange = [name for name in needed if not SYSTEM.fullmatch(name)]
+    if strange or module.stat().st_size > MAX_BYTES:
+        sys.exit(f"{wheel.name}: needs {', '.join(strange) or 'nothing strange'}, has {module.stat().st_size} bytes")
+
+
+def unpacked(wheel: Path) -> Path:
+    """The module of a wheel, as a file."""
+    folder = WORK / "checked"
+    shutil.rmtree(folder, ignore_errors=True)
+    with zipfile.ZipFile(wheel) as packed:
+        packed.extractall(folder)
+    return next(path for path in folder.glob(f"{MODULE}.*") if path.suffix in (".so", ".pyd"))
 
 
 def faults_of(dynamic: str, symbols: str) -> list[str]:
