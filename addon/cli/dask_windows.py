@@ -7,8 +7,10 @@ windows, which Dask gives to others; the result is the same.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from itertools import pairwise
 from typing import Any
 
@@ -32,7 +34,7 @@ def follow_window(field: str, choice: Choice, first: int, last: int) -> Json:
     native.load_alone()
     data = read_series(field, choice)
     mesh = surface_of(data.mesh, field)
-    vectors = [data.vectors[j] for j in range(first, last + 1)]
+    vectors = (data.vectors[j] for j in range(first, last + 1))
     tangents = np.stack([native.VectorField.from_space(mesh, sample).values for sample in vectors])
     lambdas = np.asarray(data.lambdas[first : last + 1], np.float64)
     return window_json(native.tracking(native.ParameterizedField(mesh, lambdas, tangents)), mesh, lambdas, tangents)
@@ -45,10 +47,12 @@ def windows_of(samples: int, count: int) -> list[tuple[int, int]]:
 
 
 def follow(
-    field: str, choice: Choice, windows: list[tuple[int, int]], scheduler: str | None
+    field: str, choice: Choice, windows: list[tuple[int, int]], scheduler: str | None, at_once: int | None = None
 ) -> Steps[list[tuple[str, Json]]]:
-    """The parts by name. Raises InputError where Dask is missing or does not answer."""
-    with _client(scheduler) as client:
+    """The parts by name. at_once: how many windows the memory of this machine holds, where it is to follow them; None
+    is as many as it has processors. Raises InputError where Dask is missing or does not answer."""
+    workers = min(len(windows), os.cpu_count() or 1, at_once or len(windows))
+    with _client(scheduler, workers) as client:
         from distributed import as_completed
 
         waiting = {
@@ -63,14 +67,20 @@ def follow(
     return parts
 
 
+def has_dask() -> bool:
+    return find_spec("distributed") is not None
+
+
 @contextmanager
-def _client(scheduler: str | None) -> Iterator[Any]:
+def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
     try:
         from distributed import Client, LocalCluster
     except ImportError as error:
-        raise InputError(f"--windows needs Dask, which cannot be loaded ({error}): pip install distributed") from error
+        raise InputError(f"Dask is needed, but cannot be loaded ({error}): pip install distributed") from error
     if scheduler is None:
-        with LocalCluster(threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        # Dask's own limit is a share of the machine for each processor, however few workers there are.
+        options: Any = {"n_workers": workers, "threads_per_worker": 1, "memory_limit": 0, "dashboard_address": None}
+        with LocalCluster(**options) as cluster, Client(cluster) as client:
             yield client
         return
     try:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import click
@@ -29,11 +29,11 @@ def window_options(command: Callable[..., None]) -> Callable[..., None]:
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Some of the samples of a field, at their λ in the whole: lambdas (s,), vectors s × (n, 3), and how they were
-    read."""
+    """Some of the samples of a field, at their λ in the whole: lambdas (s,), vectors s × (n, 3), which are read when
+    asked for, and how they were read."""
 
     lambdas: np.ndarray
-    vectors: list[np.ndarray]
+    vectors: Iterable[np.ndarray]
     read: Reading
 
 
@@ -47,7 +47,7 @@ def window_of(data: FieldData, start: str | None, to: str | None, name: str) -> 
         raise InputError(f"{name}: the window from {start} to {to} has no two samples; choose times farther apart")
     part = range(first, last + 1)
     shown = tuple(data.read.times[j] for j in part) if len(data.read.times) == len(times) else data.read.times
-    return Window(data.lambdas[part], [data.vectors[j] for j in part], replace(data.read, times=shown))
+    return Window(data.lambdas[part], (data.vectors[j] for j in part), replace(data.read, times=shown))
 
 
 def _times(data: FieldData) -> Sequence[float | str]:

@@ -14,6 +14,7 @@ from command_line import refused, run
 from data_sets import data_set
 from stormfield import native
 from stormfield.analysis import stitching, tracking, windows
+from stormfield.cli import memory
 from stormfield.model.errors import InputError
 from stormfield.readers.icosphere import icosphere
 
@@ -274,3 +275,74 @@ def test_windows_share_one_sample_and_are_nearly_equal(samples, count, windows):
     assert len(found) == windows and found[0][0] == 0 and found[-1][1] == samples - 1
     assert all(a[1] == b[0] for a, b in itertools.pairwise(found))
     assert np.ptp([last - first for first, last in found]) <= 1
+
+
+# Memory ---------------------------------------------------------------------------------------------------------------
+
+
+def test_samples_that_do_not_fit_into_memory_are_followed_in_windows_and_that_is_said(capsys, tmp_path, monkeypatch):
+    wind = wind_file(tmp_path)
+    options = ("--sphere-faces", 1280, "--json")
+    assert run(capsys, "track", wind, *options, tmp_path / "whole.json")[0] == 0
+    whole = without_seconds(tmp_path / "whole.json")
+    held = most_samples_at_once(monkeypatch)
+    gigabytes = 4.5 * memory.size_of(1, whole["mesh"]["vertices"]) / 1e9
+    status, _, err = run(capsys, "track", wind, *options, tmp_path / "small.json", "--memory", gigabytes)
+    assert status == 0 and "followed in 3 windows, one after another" in err
+    small = without_seconds(tmp_path / "small.json")
+    assert found_in(small) == found_in(whole) and small["lam"] == whole["lam"]
+    assert max(held) == 4
+
+    for few in (("--windows", 1), ("--windows", 2)):
+        line = refused(capsys, "track", wind, *options, "-", "--memory", gigabytes, *few)
+        assert "give --windows 3" in line and "GB" in line
+    line = refused(capsys, "track", wind, *options, "-", "--memory", gigabytes, "--from", 0, "--to", 1)
+    assert "choose a shorter window" in line
+    line = refused(capsys, "track", wind, *options, "-", "--memory", gigabytes / 4)
+    assert "two samples" in line and "--sphere-faces" in line
+
+
+def most_samples_at_once(monkeypatch):
+    """Numbers of samples that the core gets, as they come."""
+    held, field = [], native.ParameterizedField
+    monkeypatch.setattr(
+        native,
+        "ParameterizedField",
+        lambda mesh, lambdas, values: held.append(len(lambdas)) or field(mesh, lambdas, values),
+    )
+    return held
+
+
+def test_windows_without_dask_go_one_after_another(capsys, tmp_path, monkeypatch):
+    from stormfield.cli import dask_windows
+
+    wind = wind_file(tmp_path)
+    options = ("--sphere-faces", 1280, "--json")
+    assert run(capsys, "track", wind, *options, tmp_path / "whole.json")[0] == 0
+    monkeypatch.setattr(dask_windows, "has_dask", lambda: False)
+    held = most_samples_at_once(monkeypatch)
+    status, _, err = run(capsys, "track", wind, *options, tmp_path / "four.json", "--windows", 4)
+    assert status == 0 and "Dask is not installed" in err and held == [3, 3, 3, 3]
+    whole, four = (without_seconds(tmp_path / f"{name}.json") for name in ("whole", "four"))
+    assert found_in(four) == found_in(whole)
+    assert "--windows" in refused(capsys, "track", wind, *options, "-", "--scheduler", "tcp://127.0.0.1:9")
+
+
+@pytest.mark.parametrize("wrong", [0, -1, "nan", "inf"])
+def test_memory_that_is_none_is_refused(capsys, tmp_path, wrong):
+    assert "--memory" in refused(capsys, "track", wind_file(tmp_path), "--json", "-", "--memory", wrong)
+
+
+@pytest.mark.parametrize(
+    ("samples", "at_once", "windows"), [(9, 9, 1), (9, 8, 2), (9, 5, 2), (9, 4, 3), (9, 2, 8), (744, 100, 8)]
+)
+def test_windows_hold_what_fits(samples, at_once, windows):
+    from stormfield.cli.dask_windows import windows_of
+
+    count = memory.windows_that_fit(samples, 1000, memory.size_of(at_once, 1000), "a.nc")
+    assert count == windows
+    assert max(last - first + 1 for first, last in windows_of(samples, count)) <= at_once
+
+
+def test_free_memory_is_told():
+    assert 1e7 < memory.free_memory() < 1e15
