@@ -25,7 +25,7 @@ from ..model.polygons import Polygons
 from ..solve import SolverState, start_solve
 from ..version import VERSION
 from ..work import Step, Steps, result_of, scaled
-from .edited import edited_solution
+from .edited import edited_solution, outcomes_of, write_outcomes
 from .unfinished import unfinished
 
 #: Where the solve ends, the edits, and the stream functions, after which writing begins, in the fractions of all steps.
@@ -69,6 +69,8 @@ def solve_steps(
         solution = yield from result_of(start_solve(mesh, design, state), 0.0, "Solving", SOLVE_END)
         edited = yield from scaled(edited_solution(solution, design), SOLVE_END, EDIT_END)
         solution = edited.solution
+        if design.edits:
+            write_outcomes(target, outcomes_of(edited, design))
         streams = native.start_stream_functions(solution.fields["advection"])
         stream = yield from result_of(streams, EDIT_END, "Finding the stream functions", STREAM_END)
         yield Step(STREAM_END, "Writing the samples", notes=(*solution.notes, *edited.notes))

@@ -20,3 +20,5 @@ MANIFEST, PLAN = "manifest.json", "plan.json"
 #: USD time codes per unit of λ; per frame there is one.
 TIME_CODES_PER_LAMBDA = 1000.0
 TIME_CODES_PER_SECOND = 24.0
+#: What became of the edits of the design, in a λ cache.
+EDITS = "edits.json"

@@ -11,11 +11,11 @@ from pathlib import Path
 
 from ..model.errors import InputError
 from ..model.words import Json
-from .layout import OLD_CLIPS, OLD_MESH, OLD_STAGE, STAGE
+from .layout import EDITS, OLD_CLIPS, OLD_MESH, OLD_STAGE, STAGE
 from .plan import NAME, SCHEMA, VERSION, Plan
 
 #: Files that join the samples.
-SHARED = (STAGE, OLD_STAGE, OLD_MESH, OLD_CLIPS)
+SHARED = (STAGE, EDITS, OLD_STAGE, OLD_MESH, OLD_CLIPS)
 
 
 @dataclass(frozen=True)

@@ -65,7 +65,7 @@ def _verified(result: native.EditResult) -> SampleEdit:
         result.applied,
         result.reason,
         result.index,
-        tuple(_entity_at(result.topology, kind, number or 0) for kind, number in result.left),
+        tuple(entity_at(result.topology, kind, number or 0) for kind, number in result.left),
         tuple(int(face) for face in result.faces),
         result.fill,
         result.largest_angle,
@@ -137,8 +137,8 @@ def _simplified(result: native.SimplifyResult, edit: Edit) -> SampleEdit:
         reason += f": {refused[-1].reason}" if refused else ": no further pair is within epsilon, or can be cancelled"
     elif not applied and refused:
         reason = refused[-1].reason
-    left = [_entity_at(result.topology, "fixed_point", k) for k in range(len(result.topology.fixed_points))]
-    left += [_entity_at(result.topology, "periodic_orbit", k) for k in range(len(result.topology.periodic_orbits))]
+    left = [entity_at(result.topology, "fixed_point", k) for k in range(len(result.topology.fixed_points))]
+    left += [entity_at(result.topology, "periodic_orbit", k) for k in range(len(result.topology.periodic_orbits))]
     return SampleEdit(
         result.field,
         applied or not reason,
@@ -150,7 +150,8 @@ def _simplified(result: native.SimplifyResult, edit: Edit) -> SampleEdit:
     )
 
 
-def _entity_at(topology: native.Topology, kind: str, number: int) -> EntityAt:
+def entity_at(topology: native.Topology, kind: str, number: int) -> EntityAt:
+    """An entity of a topology, as edits name it."""
     if kind == "fixed_point":
         point = topology.fixed_points[number]
         return EntityAt(point.kind, _vector(point.position))

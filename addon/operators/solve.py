@@ -11,6 +11,7 @@ from ..scene.read import folders
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
 from ..scene.write import attach, doubts
+from ..scene.write.edits import show_outcomes
 from ..session import found_caches, freshness, made_caches, solver_state
 from . import requirements
 from .doubts import solved_fields
@@ -40,6 +41,7 @@ class SolvingOperator(JobOperator):
 
     def finish(self, _context, obj, folder):
         attach.show_solved(obj, folder)
+        show_outcomes(obj, folder)
         freshness.keep(obj, self._read)
         found_caches.forget(obj)
         made_caches.note(folder, self._before)

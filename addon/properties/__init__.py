@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import analysis, morse
+from . import analysis, edit, morse
 from .bake import BakeProperties
 from .element import ElementProperties
 from .field import FieldProperties
@@ -12,6 +12,7 @@ from .solve import SolveProperties
 
 CLASSES = (
     ElementProperties,
+    *edit.CLASSES,
     SolveProperties,
     BakeProperties,
     LookProperties,

@@ -15,6 +15,7 @@ from bpy.props import (
 from ..scene.write import selection, turning
 from .analysis import AnalysisProperties
 from .bake import BakeProperties
+from .edit import EditProperties
 from .element import ElementProperties
 from .look import LookProperties
 from .morse import MorseProperties
@@ -77,6 +78,10 @@ class FieldProperties(bpy.types.PropertyGroup):
     active_element: IntProperty(
         name="Active Element", description="Index of the element shown below the list", update=_element_chosen
     )
+    edits: CollectionProperty(
+        type=EditProperties, name="Edits", description="What Solve changes in the field after solving, in this order"
+    )
+    active_edit: IntProperty(name="Active Edit", description="Index of the edit shown below the list")
     cache_name: StringProperty(
         name="Cache Name", description="Name of the folder of this object's caches; it stays when the object is renamed"
     )
@@ -88,3 +93,6 @@ class FieldProperties(bpy.types.PropertyGroup):
 
     def active(self) -> ElementProperties | None:
         return self.elements[self.active_element] if 0 <= self.active_element < len(self.elements) else None
+
+    def chosen_edit(self) -> EditProperties | None:
+        return self.edits[self.active_edit] if 0 <= self.active_edit < len(self.edits) else None

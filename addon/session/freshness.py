@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether an object's field is out of date: elements, mesh or settings have changed since they were solved.
+"""Whether an object's field is out of date: elements, edits, mesh or settings have changed since they were solved.
 
     known = freshness.read(obj)         # when a solve begins
     freshness.keep(obj, known)          # when its field is attached: undo brings field and knowledge back together
@@ -116,7 +116,9 @@ def _settings(obj: bpy.types.Object) -> tuple:
 
 
 def _read_settings(obj: bpy.types.Object) -> tuple:
-    elements = obj.stormfield.elements
-    return reading.values_of(obj.stormfield.solve), tuple(
-        [(element.name, element.enabled, element.source, reading.values_of(element)) for element in elements]
+    field = obj.stormfield
+    return (
+        reading.values_of(field.solve),
+        tuple([(each.name, each.enabled, each.source, reading.values_of(each)) for each in field.elements]),
+        tuple([(edit.enabled, reading.values_of(edit)) for edit in field.edits]),
     )

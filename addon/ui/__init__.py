@@ -3,7 +3,19 @@
 
 import bpy
 
-from . import analysis_panels, graph_editor, icons, lists, menus, morse_panels, overlay, panels, pick, pictures
+from . import (
+    analysis_panels,
+    edit_panels,
+    graph_editor,
+    icons,
+    lists,
+    menus,
+    morse_panels,
+    overlay,
+    panels,
+    pick,
+    pictures,
+)
 
 CLASSES = (
     *lists.CLASSES,
@@ -11,6 +23,7 @@ CLASSES = (
     *graph_editor.CLASSES,
     *panels.CLASSES,
     *analysis_panels.CLASSES,
+    *edit_panels.CLASSES,
     *morse_panels.CLASSES,
     *analysis_panels.LATER,
     *pick.CLASSES,

@@ -21,6 +21,7 @@ from bpy.props import (
 from gpu_extras.batch import batch_for_shader
 
 from .. import compat
+from ..operators import edits
 from ..scene.nodes import entity_nodes
 from ..scene.read.active_field import active_field
 from ..scene.write import selection
@@ -211,10 +212,10 @@ def _repair_soon(uid: int) -> None:
 
 
 class STORMFIELD_OT_keep_entity(bpy.types.Operator):
-    """Say why an entity cannot be deleted in the graph: it is what the field does"""
+    """Cancel what is selected in the graph, or say why that cannot be. A node alone is never deleted"""
 
     bl_idname = "stormfield.keep_entity"
-    bl_label = "Keep Entity"
+    bl_label = "Cancel in Graph"
     bl_options = {"INTERNAL"}
 
     @classmethod
@@ -222,18 +223,29 @@ class STORMFIELD_OT_keep_entity(bpy.types.Operator):
         space = context.space_data
         return space is not None and space.type == "NODE_EDITOR" and space.tree_type == entity_nodes.TREE
 
-    def execute(self, _context):
-        self.report({"WARNING"}, KEEPS)
-        return {"CANCELLED"}
+    def execute(self, context):
+        tree, obj = context.space_data.edit_tree, active_field(context)
+        if tree is None or obj is None or tree.which != "ecg" or tree.owner != obj:
+            self.report({"WARNING"}, KEEPS)
+            return {"CANCELLED"}
+        reason = edits.why_not_cancel(obj)
+        if reason or not bpy.ops.stormfield.cancel_pair.poll():
+            self.report({"WARNING"}, reason or KEEPS)
+            return {"CANCELLED"}
+        bpy.ops.stormfield.cancel_pair("INVOKE_DEFAULT")
+        return {"FINISHED"}
 
 
 #: What is said when an artist presses X in the graph.
-KEEPS = "The graph shows what the field does: nothing can be deleted in it. Change the elements and solve again"
+KEEPS = (
+    "The graph shows what the field does: nothing can be deleted in it. Cancel what the analysis at this frame shows, "
+    "or change the elements and solve again"
+)
 _keys: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 
 def _register_keys() -> None:
-    """The keys that delete and cut nodes say in our graphs why they do not; in other node editors they do as ever."""
+    """The keys that delete nodes cancel in our graphs, or say why not; in other node editors they do as ever."""
     config = bpy.context.window_manager.keyconfigs.addon
     if config is None:  # background mode
         return

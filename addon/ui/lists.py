@@ -8,6 +8,8 @@ from . import icons
 
 TYPE_ICONS = {key: icon for key, _label, _text, icon, _number in TYPES}
 
+EDIT_ICONS = {"cancel": "TRASH", "simplify": "MOD_DECIM"}
+
 
 class STORMFIELD_UL_elements(bpy.types.UIList):
     bl_idname = "STORMFIELD_UL_elements"
@@ -26,6 +28,21 @@ class STORMFIELD_UL_elements(bpy.types.UIList):
             times.label(text="keys")
         else:
             times.label(text=f"{item.lam_start:.2g}–{item.lam_end:.2g}")
+        row.prop(item, "enabled", text="", emboss=False, icon="HIDE_OFF" if item.enabled else "HIDE_ON")
+
+
+class STORMFIELD_UL_edits(bpy.types.UIList):
+    bl_idname = "STORMFIELD_UL_edits"
+
+    def draw_item(self, _context, layout, _data, item, _icon, _active, _property, _index=0, _flag=0):
+        row = layout.row(align=True)
+        row.active = item.enabled
+        split = row.split(factor=0.68)
+        split.prop(item, "name", text="", emboss=False, icon=EDIT_ICONS[item.type])
+        state = split.row()
+        state.alignment = "RIGHT"
+        state.alert = item.enabled and item.status == "refused"
+        state.label(text=(item.status or "waiting") if item.enabled else "off")
         row.prop(item, "enabled", text="", emboss=False, icon="HIDE_OFF" if item.enabled else "HIDE_ON")
 
 
@@ -68,4 +85,4 @@ class STORMFIELD_UL_entities(bpy.types.UIList):
         return [self.bitflag_filter_item if keep else 0 for keep in shown], order
 
 
-CLASSES = (STORMFIELD_UL_elements, STORMFIELD_UL_entities)
+CLASSES = (STORMFIELD_UL_elements, STORMFIELD_UL_edits, STORMFIELD_UL_entities)

@@ -163,6 +163,10 @@ def walk(op: Operators, stormfield) -> None:
     op.clean_caches()
     op.apply_material(material="lava")
     op.analyze()
+    op.tried("cancel_weakest")  # whether a pair can be cancelled depends on the field
+    for name in ("cancel_pair", "simplify", "move_edit", "remove_edit"):
+        op.tried(name)
+    op.analyze()
     op.analyze_lambda()
     op.update_markers()
     op.morse_sets()

@@ -16,6 +16,7 @@ from ...model.design import Design, Element, SolveSettings, Vector
 from ...model.errors import InputError
 from ...model.mesh_data import MeshData
 from .curves import read_polylines, take_over_edits
+from .edits import read_edits
 from .lambda_seen import lambda_at_frames, lambda_frames, lambda_per_second
 from .mesh import read_mesh
 from .places import Placed, Places
@@ -46,6 +47,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
             raise InputError(f"Element '{element.name}' has no source; choose a curve or an empty, or turn it off")
         if element.source == obj:
             raise InputError(f"Element '{element.name}' has the field's own mesh as source; choose another object")
+    edits = read_edits(obj)
     take_over_edits([element.source for element in enabled])
     elements: list[Element] = []
     with Places(context) as placed:
@@ -59,6 +61,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
             elements.extend(each.mirrored() if exchanged else each for each in made)
     return mesh, Design(
         elements=tuple(elements),
+        edits=edits,
         settings=SolveSettings(
             samples=settings.samples,
             lambda_weight=settings.lambda_weight,

@@ -23,7 +23,9 @@ from ...model.words import Json
 #: Form of what is read; another number makes earlier readings unknown.
 FORM = 1
 #: Settings that change no field.
-IDLE = frozenset({"rna_type", "name", "enabled", "solved", "keep_solver"})
+IDLE = frozenset({"rna_type", "name", "enabled", "solved", "keep_solver", "status", "reason"})
+#: What was read of no edits, and of a field that an earlier version has solved.
+NO_EDITS: list[str] = []
 MESH_CHANGED = "the mesh was changed"
 #: Places that differ by less, over the object's diagonal, are the same: round-off of matrices.
 SAME_PLACE = 1e-5
@@ -37,6 +39,7 @@ def read(obj: bpy.types.Object, mesh: str | None = None) -> dict[str, Json]:
         "settings": settings_digest(obj),
         "size": max(obj.dimensions[:]),
         "elements": [element_entry(obj, element) for element in obj.stormfield.elements if element.enabled],
+        "edits": [_digest(values_of(edit)) for edit in obj.stormfield.edits if edit.enabled],
     }
 
 
@@ -64,6 +67,8 @@ def changes(before: dict[str, Json], now: dict[str, Json]) -> list[str]:
         old = known.pop(element["name"], None)
         found.append(f"'{element['name']}' was {_how(old, element)}")
     found += [f"'{name}' was removed or turned off" for name in known]
+    if before.get("edits", NO_EDITS) != now["edits"]:
+        found.append("edits were changed")
     return found
 
 

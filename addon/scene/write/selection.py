@@ -29,12 +29,15 @@ def list_changed(obj: bpy.types.Object, which: str) -> None:
 
 
 def follow_graph(obj: bpy.types.Object, which: str) -> bool:
-    """Take the graph's active node over into the list; whether that changed anything."""
+    """Take the graph's active node over into the list; whether that changed anything. The rest stays selected."""
     tree = entity_nodes.tree_of(obj, which)
     node = tree.nodes.active if tree is not None else None
     if node is None or not node.select or node.entity == obj.stormfield.analysis.list(which).active:
         return False
+    together = [other.name for other in tree.nodes if other.select]
     select(obj, which, node.entity)
+    for name in together:
+        tree.nodes[name].select = True
     return True
 
 

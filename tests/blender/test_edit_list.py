@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edits in Blender: pairs that are cancelled, refused, undone, turned off; the list; the poll messages."""
+
+from collections import Counter
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+pytest.importorskip("igraph", reason="igraph is not installed")
+pytestmark = pytest.mark.usefixtures("native")
+
+#: Two sources and a sink: their indices ask for one saddle between the sources.
+ELEMENTS = (("source", (0, 0, 1)), ("sink", (0, 0, -1)), ("source", (1, 0, 0)))
+AS_SOLVED = {"source": 2, "saddle": 1, "sink": 1}
+CANCELLED = {"source": 1, "sink": 1}
+
+
+@pytest.fixture
+def pair(ball):
+    """Solved and analyzed at λ 0."""
+    from stormfield.scene.write.elements import add_element
+
+    if not bpy.app.build_options.usd:
+        pytest.skip("this Blender has no USD")
+    for number, (kind, place) in enumerate(ELEMENTS):
+        empty = bpy.data.objects.new(f"{kind} {number}", None)
+        empty.location = place
+        bpy.context.scene.collection.objects.link(empty)
+        add_element(ball, empty, type="singular", kind=kind, radius=0.3)
+    ball.stormfield.solve.samples = 2
+    assert bpy.ops.stormfield.solve() == {"FINISHED"}
+    assert bpy.ops.stormfield.analyze() == {"FINISHED"}
+    assert kinds(ball) == AS_SOLVED
+    return ball
+
+
+def kinds(obj):
+    return dict(Counter(item.kind for item in obj.stormfield.analysis.ecg.items))
+
+
+def select(obj, *wanted):
+    """Select entities in the graph by kind and nearest place; the first is that of the list."""
+    from stormfield.scene.write import selection
+
+    ecg = obj.stormfield.analysis.ecg
+    chosen = [
+        min(
+            (i for i, item in enumerate(ecg.items) if item.kind == kind),
+            key=lambda i, place=place: np.linalg.norm(np.array(ecg.items[i].position) - place),
+        )
+        for kind, place in wanted
+    ]
+    selection.select(obj, "ecg", chosen[0])
+    for node in obj.stormfield.analysis.ecg_tree.nodes:
+        node.select = node.entity in chosen
+
+
+def vectors(obj):
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    values = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.attributes["sf_advection"].data.foreach_get("vector", values)
+    return values.tobytes()
+
+
+SADDLE, NORTH, SOUTH, EAST = (
+    ("saddle", (0.6, 0, 0.8)),
+    ("source", (0, 0, 1)),
+    ("sink", (0, 0, -1)),
+    ("source", (1, 0, 0)),
+)
+
+
+@pytest.mark.parametrize("chosen", [(SADDLE,), (SADDLE, EAST), (SADDLE, NORTH)])
+def test_a_source_and_a_saddle_vanish_together(pair, chosen):
+    before = vectors(pair)
+    select(pair, *chosen)
+    assert bpy.ops.stormfield.cancel_pair() == {"FINISHED"}
+    assert kinds(pair) == CANCELLED
+    (edit,) = pair.stormfield.edits
+    assert (edit.type, edit.status, edit.reason, edit.lam) == ("cancel", "applied", "", 0.0)
+    assert {edit.first_kind, edit.second_kind} == {"saddle", "source"} and " and " in edit.name
+    assert vectors(pair) != before
+    bpy.ops.stormfield.analyze()  # what the mesh carries says the same
+    assert kinds(pair) == CANCELLED
+
+
+def test_one_that_is_turned_off_gives_the_field_back(pair):
+    before = vectors(pair)
+    select(pair, SADDLE)
+    bpy.ops.stormfield.cancel_pair()
+    edited = vectors(pair)
+    for enabled, expected in ((False, before), (True, edited)):
+        pair.stormfield.edits[0].enabled = enabled
+        with pytest.raises(RuntimeError, match="Solve first: edits were changed"):
+            bpy.ops.stormfield.cancel_weakest()
+        bpy.ops.stormfield.solve()
+        assert vectors(pair) == expected
+        assert pair.stormfield.edits[0].status == ("applied" if enabled else "refused")
+    bpy.ops.stormfield.remove_edit()
+    bpy.ops.stormfield.solve()
+    assert vectors(pair) == before and not pair.stormfield.edits
+
+
+def test_undo_brings_the_pair_back(pair):
+    select(pair, SADDLE)
+    before = vectors(pair)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.stormfield.cancel_pair()
+    bpy.ops.ed.undo_push(message="after")
+    edited = vectors(pair)
+    bpy.ops.ed.undo()
+    ball = bpy.data.objects["Ball"]
+    assert kinds(ball) == AS_SOLVED and not ball.stormfield.edits and vectors(ball) == before
+    bpy.ops.ed.redo()
+    ball = bpy.data.objects["Ball"]
+    assert kinds(ball) == CANCELLED and len(ball.stormfield.edits) == 1 and vectors(ball) == edited
+
+
+def test_what_the_core_refuses_changes_nothing(pair):
+    from stormfield.scene.read.attached import LAMBDA, attached_folder
+
+    bpy.ops.stormfield.cancel_weakest()
+    assert kinds(pair) == CANCELLED  # the last two: no field on a sphere has none
+    select(pair, NORTH, SOUTH)
+    before, folder = vectors(pair), Path(attached_folder(pair, LAMBDA))
+    files = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    with pytest.raises(RuntimeError) as refusal:
+        bpy.ops.stormfield.cancel_pair()
+    assert "source" in str(refusal.value) and "Traceback" not in str(refusal.value)
+    assert vectors(pair) == before and kinds(pair) == CANCELLED and len(pair.stormfield.edits) == 1
+    assert Path(attached_folder(pair, LAMBDA)) == folder
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == files
+
+
+def test_weakest_and_simplify_take_the_same_pair(pair):
+    assert bpy.ops.stormfield.cancel_weakest() == {"FINISHED"}
+    assert kinds(pair) == CANCELLED and pair.stormfield.edits[0].type == "cancel"
+    bpy.ops.stormfield.remove_edit()
+    bpy.ops.stormfield.solve()
+    bpy.ops.stormfield.analyze()
+    assert bpy.ops.stormfield.simplify(keep=2) == {"FINISHED"}
+    assert kinds(pair) == CANCELLED and pair.stormfield.edits[0].name == "Keep 2"
+    with pytest.raises(RuntimeError, match="has 2 fixed points and orbits; keep fewer"):
+        bpy.ops.stormfield.simplify(keep=2)
+
+
+def test_two_nodes_stay_selected_when_the_list_follows(pair):
+    from stormfield.operators.edits import picked
+    from stormfield.scene.write import selection
+
+    select(pair, EAST)
+    tree = pair.stormfield.analysis.ecg_tree
+    saddle = next(node for node in tree.nodes if node.kind == "saddle")
+    saddle.select, tree.nodes.active = True, saddle  # Shift and a click
+    assert selection.follow_graph(pair, "ecg") and pair.stormfield.analysis.ecg.active == saddle.entity
+    assert {pair.stormfield.analysis.ecg.items[i].kind for i in picked(pair)} == {"source", "saddle"}
+
+
+def test_poll_messages_say_why(pair):
+    def refusal():
+        assert not bpy.ops.stormfield.cancel_pair.poll()
+        with pytest.raises(RuntimeError) as caught:
+            bpy.ops.stormfield.cancel_pair()
+        return str(caught.value)
+
+    assert "Select one entity in list, graph or view" in refusal()
+    select(pair, NORTH, EAST)
+    assert "both are repelling" in refusal()
+    select(pair, NORTH, SOUTH, SADDLE)
+    assert "3 entities are selected" in refusal()
+    bpy.context.scene.frame_set(30)
+    assert "Analyze at this Frame again" in refusal()
+    bpy.context.scene.frame_set(1)
+    bpy.ops.stormfield.forget_analysis()
+    assert "Analyze at this Frame first" in refusal()
+    pair.stormfield.elements[0].radius *= 2
+    assert "Solve first" in refusal()
+
+
+def test_edits_of_entities_that_are_gone_are_refused_in_the_list(pair):
+    from stormfield.model.edits import Edit, EntityAt
+    from stormfield.scene.write.edits import add_edit
+
+    before = vectors(pair)
+    gone = EntityAt("attracting", (0.0, 0.0, 1.0)), EntityAt("saddle", (0.6, 0.0, 0.8))
+    add_edit(pair, Edit("cancel", entities=gone), "Gone")
+    bpy.ops.stormfield.solve()
+    assert vectors(pair) == before
+    edit = pair.stormfield.edits[0]
+    assert edit.status == "refused" and "the field has no attracting orbit here" in edit.reason
+
+
+def test_the_order_of_the_list_is_that_of_the_design(pair):
+    from stormfield.model.edits import Edit
+    from stormfield.scene.read.edits import read_edits
+    from stormfield.scene.write.edits import add_edit
+
+    for keep in (5, 3):
+        add_edit(pair, Edit("simplify", keep=keep, lam=(0.5, 0.5)), f"Keep {keep}")
+    assert [edit.keep for edit in read_edits(pair)] == [5, 3]
+    bpy.ops.stormfield.move_edit(direction="UP")
+    assert [edit.keep for edit in read_edits(pair)] == [3, 5]
+    assert bpy.ops.stormfield.move_edit(direction="UP") == {"CANCELLED"}
+
+
+def test_a_field_that_was_given_says_where_it_can_be_edited(rings):
+    bpy.ops.stormfield.analyze()
+    with pytest.raises(RuntimeError, match="stormfield edit on the command line"):
+        bpy.ops.stormfield.cancel_weakest()
