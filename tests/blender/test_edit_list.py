@@ -158,6 +158,59 @@ def test_two_nodes_stay_selected_when_the_list_follows(pair):
     assert {pair.stormfield.analysis.ecg.items[i].kind for i in picked(pair)} == {"source", "saddle"}
 
 
+def test_x_in_the_graph_cancels_or_says_why_not(pair):
+    from types import SimpleNamespace
+
+    from stormfield.ui.graph_editor import KEEPS, STORMFIELD_OT_keep_entity
+
+    said: list[str] = []
+    operator = SimpleNamespace(report=lambda _kind, text: said.append(text))
+    context = SimpleNamespace(
+        space_data=SimpleNamespace(edit_tree=pair.stormfield.analysis.ecg_tree),
+        object=pair,
+        scene=bpy.context.scene,
+        view_layer=bpy.context.view_layer,
+    )
+    select(pair, NORTH, EAST)
+    assert STORMFIELD_OT_keep_entity.execute(operator, context) == {"CANCELLED"}
+    assert "both are repelling" in said[-1] and kinds(pair) == AS_SOLVED
+    select(pair, SADDLE, EAST)
+    assert STORMFIELD_OT_keep_entity.execute(operator, context) == {"FINISHED"} and len(said) == 1
+    assert kinds(pair) == CANCELLED
+    context.space_data.edit_tree = None
+    assert STORMFIELD_OT_keep_entity.execute(operator, context) == {"CANCELLED"} and said[-1] == KEEPS
+
+
+def test_a_window_solves_from_the_last_solution(pair, monkeypatch):
+    from stormfield.session import solver_state
+    from stormfield.solve import SolverState
+
+    kept = SolverState()
+    monkeypatch.setattr(solver_state, "of", lambda _obj: kept)
+    pair.stormfield.elements[2].radius = 0.31
+    bpy.ops.stormfield.solve()  # fills it
+    bpy.ops.stormfield.analyze()
+    select(pair, SADDLE)
+    assert bpy.ops.stormfield.cancel_pair() == {"FINISHED"} and kinds(pair) == CANCELLED
+    pair.stormfield.edits[0].enabled = False
+    bpy.ops.stormfield.solve()
+    bpy.ops.stormfield.analyze()
+    assert kinds(pair) == AS_SOLVED  # an edited field is never what the next solve starts from
+
+
+def test_one_of_two_fields_is_edited(pair, attribute):
+    pair.stormfield.elements[1].field = "advection"
+    bpy.ops.stormfield.solve()
+    bpy.ops.stormfield.analyze()
+    assert kinds(pair) == AS_SOLVED
+    before = attribute(pair, "sf_orientation").tobytes()
+    select(pair, SADDLE)
+    bpy.ops.stormfield.cancel_pair()
+    assert pair.stormfield.edits[0].field == "advection" and pair.stormfield.edits[0].status == "applied"
+    assert kinds(pair) == CANCELLED
+    assert attribute(pair, "sf_orientation").tobytes() == before
+
+
 def test_poll_messages_say_why(pair):
     def refusal():
         assert not bpy.ops.stormfield.cancel_pair.poll()

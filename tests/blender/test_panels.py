@@ -55,10 +55,11 @@ def stand_in(context):
 
 def draw_all() -> list[str]:
     """Draws all panels that poll; what they drew."""
-    from stormfield.ui import analysis_panels, morse_panels, panel_parts, panels
+    from stormfield.ui import analysis_panels, edit_panels, morse_panels, panel_parts, panels
 
     drawn: list[str] = []
-    panel_classes = [*panels.CLASSES[1:], *analysis_panels.CLASSES[:2], *analysis_panels.LATER, *morse_panels.CLASSES]
+    panel_classes = [*panels.CLASSES[1:], *analysis_panels.CLASSES[:2], *edit_panels.CLASSES]
+    panel_classes += [*analysis_panels.LATER, *morse_panels.CLASSES]
     for cls in panel_classes:
         if hasattr(cls, "poll") and not cls.poll(bpy.context):
             continue
@@ -79,6 +80,26 @@ def test_all_panels_of_a_field_draw(storms):
     drawn = draw_all()
     assert {"stormfield.solve", "stormfield.bake", "stormfield.analyze", "stormfield.morse_sets"} <= set(drawn)
     assert {"lam", "samples", "period", "shown_field", "method", "show_separatrices"} <= set(drawn)
+
+
+def test_edits_are_drawn_with_their_reason_and_what_can_be_set(storms):
+    from stormfield.model.edits import Edit, EntityAt
+    from stormfield.scene.write.edits import add_edit
+    from stormfield.ui.lists import STORMFIELD_UL_edits
+
+    assert "edits" not in draw_all()
+    pair = EntityAt("sink", (1.0, 0.0, 0.0)), EntityAt("saddle", (0.0, 1.0, 0.0))
+    add_edit(storms, Edit("cancel", entities=pair), "A1 and S2")
+    drawn = draw_all()
+    assert {"stormfield.cancel_pair", "edits", "stormfield.move_edit", "lam", "reach"} <= set(drawn)
+    assert "keep" not in drawn
+    add_edit(storms, Edit("simplify", keep=4), "Keep 4")
+    storms.stormfield.edits[1].status, storms.stormfield.edits[1].reason = "refused", "it has no reason"
+    assert "keep" in draw_all()
+    for item in storms.stormfield.edits:
+        row: list[str] = []
+        STORMFIELD_UL_edits.draw_item(None, None, Layout(row), None, item, 0, None, "")
+        assert row == ["name", "enabled"]
 
 
 @pytest.mark.parametrize("method", ["geometry", "tau", "spatial"])

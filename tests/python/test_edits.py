@@ -234,3 +234,15 @@ def test_the_core_refuses_a_topology_of_another_mesh(surface):
         native.plan_cancel(field, own, ("fixed_point", 0), ("fixed_point", 0))
     with pytest.raises(InputError, match="epsilon is -1"):
         native.simplify(field, own, epsilon=-1.0)
+
+
+def test_a_cache_says_what_became_of_its_edits(tmp_path):
+    from stormfield.bake.edited import Outcome, read_outcomes, write_outcomes
+
+    outcomes = Outcome("applied", ""), Outcome("refused", "the field has no sink here")
+    assert read_outcomes(tmp_path) == ()
+    write_outcomes(tmp_path / "cache", outcomes)
+    assert read_outcomes(tmp_path / "cache") == outcomes
+    for broken in ("", "{", '[{"status": "applied"}]', "[1]", "3"):
+        (tmp_path / "cache" / "edits.json").write_text(broken)
+        assert read_outcomes(tmp_path / "cache") == ()
