@@ -5,6 +5,7 @@ An edit is tried on the sample that is nearest to the analyzed λ, then solved w
 all of that went well it enters the list and the new field is shown; otherwise everything is as it was.
 """
 
+import math
 from dataclasses import replace
 from functools import partial
 
@@ -98,7 +99,7 @@ class EditOperator(solve.SolvingOperator):
         """Everything of the scene is read here: the artist may go on while the steps work."""
         ecg = obj.stormfield.analysis.ecg
         self._lam, self._attribute = ecg.lam, ecg.shown_field
-        self._names = {item.kind + str(tuple(item.position)): item.name for item in ecg.items}
+        self._known = [(item.name, EntityAt(item.kind, tuple(item.position))) for item in ecg.items]
         mesh, design = read_design(context, obj)
         root = folders.cache_root(obj)
         self._before = made_caches.existing(root)
@@ -137,7 +138,7 @@ class EditOperator(solve.SolvingOperator):
         return folder, graph, edit
 
     def _title(self, edit: Edit) -> str:
-        return " and ".join(self._names.get(_key(entity), entity.kind.title()) for entity in edit.entities)
+        return " and ".join(_name(self._known, entity) for entity in edit.entities)
 
 
 class _Sample:
@@ -162,8 +163,10 @@ def _field_of(design, attribute: str) -> str:
     return next(name for name, its in ATTRIBUTE.items() if its == attribute)
 
 
-def _key(entity: EntityAt) -> str:
-    return entity.kind + str(tuple(float(np.float32(value)) for value in entity.at))
+def _name(known: list[tuple[str, EntityAt]], entity: EntityAt) -> str:
+    """That of the nearest of its kind in the analysis, whose λ may lie beside the sample's."""
+    alike = [(math.dist(other.at, entity.at), name) for name, other in known if other.kind == entity.kind]
+    return min(alike)[1] if alike else entity.kind.title()
 
 
 def _pair(pair: tuple[EntityAt, EntityAt]) -> dict:

@@ -198,6 +198,22 @@ def test_a_window_solves_from_the_last_solution(pair, monkeypatch):
     assert kinds(pair) == AS_SOLVED  # an edited field is never what the next solve starts from
 
 
+def test_between_two_samples_the_nearest_is_edited(pair):
+    pair.stormfield.solve.samples = 20
+    bpy.ops.stormfield.solve()
+    bpy.context.scene.frame_set(26)
+    bpy.ops.stormfield.analyze()
+    names = {item.name for item in pair.stormfield.analysis.ecg.items}
+    select(pair, SADDLE)
+    assert bpy.ops.stormfield.cancel_pair(reach=0.0) == {"FINISHED"} and kinds(pair) == CANCELLED
+    (edit,) = pair.stormfield.edits
+    assert edit.lam == pytest.approx(10 / 19) and pair.stormfield.lam == pytest.approx(25 / 49)
+    assert set(edit.name.split(" and ")) <= names
+    bpy.context.scene.frame_set(1)  # far from there nothing is changed
+    bpy.ops.stormfield.analyze()
+    assert kinds(pair) == AS_SOLVED
+
+
 def test_one_of_two_fields_is_edited(pair, attribute):
     pair.stormfield.elements[1].field = "advection"
     bpy.ops.stormfield.solve()
