@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 
 import click
 
@@ -39,6 +40,8 @@ class FieldInput:
             self.data = read(field, choice)
         with self.phases("mesh"):
             self.mesh = surface_of(self.data.mesh, field)
+        turned = {"faces turned as their neighbours are": self.mesh.flipped_face_count}
+        self.read = replace(self.data.read, changes={**self.data.read.changes, **turned})
 
     def note(self, text: str) -> None:
         """What the user should know although nothing is wrong, on standard error; nothing where it is empty."""
@@ -56,12 +59,13 @@ class FieldInput:
         spent = self.phases.seconds | (seconds or {})
         if self.data.geography is not None:
             content = located(content, self.data.geography)
-        write_result(self._out, schema, self.data.read, {"mesh": describe_mesh(self.mesh), **content, "seconds": spent})
+        write_result(self._out, schema, self.read, {"mesh": describe_mesh(self.mesh), **content, "seconds": spent})
 
     def write_part(self, schema: str, read: Reading, content: dict[str, Json]) -> None:
         """The JSON of a part of the samples, with what places and times of the whole need."""
         places = self.data.geography.to_json() if self.data.geography is not None else None
         about = {"mesh": describe_mesh(self.mesh), "geography": places}
+        read = replace(read, changes=self.read.changes)
         write_result(self._out, schema, read, {**about, **content, "seconds": self.phases.seconds})
 
 

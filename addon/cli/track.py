@@ -75,6 +75,9 @@ def track(
     With --from or --to only a window is followed, and written as a part that `stormfield stitch` joins to others.
     --min-life and --min-strength belong to stitch then. --windows does both at once, with the same result as in one
     piece. Samples that do not fit into memory together are followed in windows without being asked, which is said.
+
+    Between two samples the field is linear in λ. What moves by more than two of its radii from one sample to the next
+    fades and grows there instead of moving, and breaks into several paths: give samples that are closer.
     """
     from ..analysis import tracking
     from ..figures.image import draw_tracking

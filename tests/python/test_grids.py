@@ -211,6 +211,7 @@ def test_u_and_v_are_never_mixed(tmp_path, order, meaning):
         ("nonsense", "has no variable 'nonsense'; choose from"),
         ("u10,nonsense", "has no variable 'nonsense'"),
         ("v10,u10", "write --vector u10,v10"),
+        ("u10,v100", "are of two vectors; choose one of: u10,v10; u100,v100"),
     ],
 )
 def test_what_vector_cannot_be_is_refused(tmp_path, vector, words):
@@ -1069,6 +1070,21 @@ def test_grib_with_kinds_of_levels(tmp_path):
         read_field(path, Choice(vector="u,v"))
     read = read_field(path, Choice(vector="u,v", level="850"))
     assert_is(read, storm(-42.0, 60.0), 0.3, 2)
+
+
+def test_grib_that_is_cut_off_is_refused(tmp_path, caplog):
+    """cfgrib would leave the broken message out and go on with the others."""
+    pytest.importorskip("cfgrib")
+    latitude, longitude = grid(10.0)
+    u, v = components(rotation(AXIS), latitude[:, None], longitude[None])
+    path = grib(tmp_path / "a.grib2", [("10u", "heightAboveGround", 10, step, u) for step in (0, 6)])
+    grib(path2 := tmp_path / "b.grib2", [("10v", "heightAboveGround", 10, step, v) for step in (0, 6)])
+    path.write_bytes(path.read_bytes() + path2.read_bytes())
+    assert len(read_field(path).vectors) == 2
+    path.write_bytes(path.read_bytes()[:-200])
+    with pytest.raises(InputError, match=r"a\.grib2: is not GRIB that cfgrib reads") as fault:
+        read_field(path)
+    assert "\n" not in str(fault.value) and not caplog.records
 
 
 def test_era5_as_the_climate_data_store_writes_it(tmp_path):

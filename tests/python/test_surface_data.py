@@ -651,6 +651,14 @@ def test_every_defect_of_a_mesh_names_the_file(capsys, tmp_path):
     assert str(path) in refused(capsys, "info", path)
 
 
+def test_turned_faces_are_said(capsys, tmp_path):
+    faces = TRIANGLES.copy()
+    faces[5:8] = faces[5:8, ::-1]
+    content = analysis(capsys, write_mesh(tmp_path / "turned.vtu", POINTS, faces, point_data={"U": WSS}))
+    assert_right(content)
+    assert changes(content) == {"faces turned as their neighbours are": 3}
+
+
 # Files that are broken ------------------------------------------------------------------------------------------------
 
 

@@ -145,8 +145,12 @@ def _named(variables: Mapping, vector: str, where: str) -> Pair:
     if len(names) != 2:
         raise InputError(f"{where}: {vector} names {len(names)} variables; name the eastward and the northward one")
     east, north = names
-    if any(right == east and left == north for left, right in ((p.east, p.north) for p in find_pairs(variables))):
+    pairs = {(pair.east, pair.north): pair.names for pair in find_pairs(variables)}
+    if (north, east) in pairs:
         raise InputError(f"{where}: {east} is the northward component; write --vector {north},{east}")
+    others = [name for pair, name in pairs.items() if east in pair or north in pair]
+    if (east, north) not in pairs and len(others) > 1:
+        raise InputError(f"{where}: {east} and {north} are of two vectors; choose one of: {'; '.join(others)}")
     if not fits(variables[east], variables[north]):
         raise InputError(
             f"{where}: {east} and {north} are not one vector: {_told(variables[east])} against "

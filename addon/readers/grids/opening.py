@@ -94,7 +94,7 @@ def _grib(file: Path, many: bool):
     import cfgrib
 
     try:
-        parts = cfgrib.open_datasets(str(file), backend_kwargs={"indexpath": ""}, decode_times=False)
+        parts = cfgrib.open_datasets(str(file), backend_kwargs={"indexpath": "", "errors": "raise"}, decode_times=False)
     except Exception as error:
         raise InputError(f"{file}: is not GRIB that cfgrib reads ({_reason(error)})") from error
     return _merged(parts, file) if len(parts) != 1 else parts[0]
