@@ -26,7 +26,7 @@ OPERATORS = {
     ),
     "panels/solve": (
         *("solve", "add_preset", "select_faults", "transfer_field"),
-        *("subdivide_mesh", "fix_normals", "fill_parts", "leave_out_parts"),
+        *("subdivide_mesh", "solve_on_density", "fix_normals", "fill_parts", "leave_out_parts"),
     ),
     "panels/bake": ("bake", "use_baked_caches", "bring_caches", "clean_caches"),
     "panels/shading": ("apply_material",),

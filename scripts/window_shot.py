@@ -28,9 +28,9 @@ OPENED = {
     "analyzed": {"Field", "Analysis"},
     "graph": {"Field", "Analysis"},
     "paths": {"Field", "Analysis"},
-    "morse": {"Field", "Analysis", "Morse Sets"},
+    "morse": {"Field", "Analysis", "Flow Regions"},
     "engine": {"Field", "Analysis"},
-    "engine_morse": {"Field", "Analysis", "Morse Sets"},
+    "engine_morse": {"Field", "Analysis", "Flow Regions"},
 }
 ENGINE = Path(os.environ.get("STORMFIELD_DATA", "")) / "gasEngineV.t"
 SUBDIVISIONS = int(os.environ.get("STORMFIELD_SUBDIVISIONS", "6"))

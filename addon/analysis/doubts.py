@@ -59,14 +59,12 @@ def parts_without_field(surface: native.TriangleMesh, fields: Mapping[str, np.nd
 def _coarse(surface: native.TriangleMesh, design: Design) -> Doubt | None:
     """The storm with the fewest edges across its radius, where those are too few."""
     storms = [element for element in design.elements if element.type == "singular"]
-    if not storms:
-        return None
     lengths = mean_edge_lengths(np.asarray(surface.vertices), np.asarray(surface.triangles))
-    worst, edge = max(
-        ((storm, _edge_at(surface, lengths, storm)) for storm in storms), key=lambda pair: pair[1] / pair[0].radius
-    )
-    if worst.radius >= TOO_COARSE * edge:
+    measured = [(storm, _edge_at(surface, lengths, storm)) for storm in storms]
+    doubtful = [(storm, edge) for storm, edge in measured if not _fits(storm.radius, edge, design.settings.edge)]
+    if not doubtful:
         return None
+    worst, edge = max(doubtful, key=lambda pair: pair[1] / pair[0].radius)
     times = math.ceil(math.log2(ENOUGH * edge / worst.radius))
     return Doubt(
         "coarse",
@@ -74,6 +72,13 @@ def _coarse(surface: native.TriangleMesh, design: Design) -> Doubt | None:
         f"Subdivide {times} time{'s' if times != 1 else ''}, or make the radius larger",
         times,
     )
+
+
+def _fits(radius: float, edge: float, solved_edge: float) -> bool:
+    """Whether edges, mesh units, are short enough for a storm. solved_edge: of the mesh refined inside the solve, 0 for
+    none; the vertices of the mesh itself show a storm only that is no smaller than their edges."""
+    solved = min(edge, solved_edge) if solved_edge > 0.0 and radius >= edge else edge
+    return radius >= TOO_COARSE * solved
 
 
 def mean_edge_lengths(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:

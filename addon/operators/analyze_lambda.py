@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Analyze over λ: every fixed point followed through all samples of the cache, and the bifurcations between them."""
+"""Follow over Time (λ): every fixed point followed through all samples of the cache, and their bifurcations."""
 
 import bpy
 
@@ -15,10 +15,11 @@ from .shared import FieldOperator
 
 
 class STORMFIELD_OT_analyze_lambda(AnalysisOperator, bpy.types.Operator):
-    """Follow every fixed point of the shown field over λ; bifurcations become timeline markers. Esc stops"""
+    """Follow every fixed point of the shown field over λ; where some appear, meet or vanish (bifurcations) the timeline
+    gets a marker. Esc stops"""
 
     bl_idname = "stormfield.analyze_lambda"
-    bl_label = "Analyze over λ"
+    bl_label = "Follow over Time (λ)"
     bl_options = {"REGISTER", "UNDO"}
     job_title = "Following"
 
@@ -64,7 +65,7 @@ class STORMFIELD_OT_update_markers(FieldOperator, bpy.types.Operator):
             return False
         obj = active_field(context)
         if not obj.stormfield.analysis.history.made:
-            cls.poll_message_set("Analyze over λ first")
+            cls.poll_message_set("Follow over Time (λ) first")
             return False
         if not varies(obj):
             cls.poll_message_set("Key λ first: markers need a λ for each frame")

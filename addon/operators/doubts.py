@@ -8,7 +8,7 @@ from bpy.props import IntProperty
 from mathutils import Matrix, Vector
 
 from .. import native
-from ..analysis.doubts import DoubtKind, parts_without_field
+from ..analysis.doubts import ENOUGH, DoubtKind, parts_without_field
 from ..cache.field_cache import open_cache
 from ..cache.fields import native_mesh, on_surface
 from ..model.manifold import manifold
@@ -17,6 +17,7 @@ from ..scene.read.attached import LAMBDA, attached_folder
 from ..scene.read.mesh import read_mesh
 from ..scene.write import doubts
 from ..scene.write.elements import add_element
+from ..session import coarse_mesh
 from .shared import FieldOperator, report_fault
 
 #: Most vertices that subdividing may make.
@@ -76,6 +77,51 @@ class STORMFIELD_OT_subdivide_mesh(CureOperator, bpy.types.Operator):
         doubts.drop(obj, self.cures)
         self.report({"INFO"}, f"'{obj.name}' has {len(obj.data.vertices):,} vertices now; solve again")
         return {"FINISHED"}
+
+
+class STORMFIELD_OT_solve_on_density(CureOperator, bpy.types.Operator):
+    """Refine the mesh inside the solve until every storm has three edges across its radius; the mesh itself stays. Solve
+    again afterwards"""
+
+    bl_idname = "stormfield.solve_on_density"
+    bl_label = "Solve on Density"
+    bl_options = {"REGISTER", "UNDO"}
+    cures = "coarse"
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        obj = active_field(context)
+        radius = _least_radius(obj)
+        if radius is None:
+            cls.poll_message_set("Place a storm first: the density follows from its radius")
+            return False
+        if radius < coarse_mesh.mean_edge(obj.data):
+            cls.poll_message_set(
+                "A storm is smaller than the mesh's edges, so its vertices cannot show it: Subdivide Mesh"
+            )
+            return False
+        return True
+
+    def execute(self, context):
+        obj = active_field(context)
+        edge = _least_radius(obj) / ENOUGH
+        needed = len(obj.data.vertices) * (coarse_mesh.mean_edge(obj.data) / edge) ** 2
+        if needed > MAX_VERTICES:
+            self.report({"ERROR"}, f"That solves some {needed:,.0f} vertices; make the storms larger")
+            return {"CANCELLED"}
+        settings = obj.stormfield.solve
+        settings.solve_on, settings.edge = "DENSITY", edge
+        doubts.drop(obj, self.cures)
+        self.report({"INFO"}, f"'{obj.name}' is solved with edges of at most {edge:.2g}; solve again")
+        return {"FINISHED"}
+
+
+def _least_radius(obj: bpy.types.Object) -> float | None:
+    """Of the storms that are turned on, mesh units; None without any."""
+    elements = obj.stormfield.elements
+    return min((each.radius for each in elements if each.enabled and each.type == "singular"), default=None)
 
 
 class STORMFIELD_OT_fix_normals(CureOperator, bpy.types.Operator):
@@ -205,6 +251,7 @@ class _EditedMesh:
 
 CLASSES = (
     STORMFIELD_OT_subdivide_mesh,
+    STORMFIELD_OT_solve_on_density,
     STORMFIELD_OT_fix_normals,
     STORMFIELD_OT_leave_out_parts,
     STORMFIELD_OT_fill_parts,

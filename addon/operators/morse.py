@@ -12,10 +12,11 @@ from .analyze import AnalysisOperator
 
 
 class STORMFIELD_OT_morse_sets(AnalysisOperator, bpy.types.Operator):
-    """Divide the surface into sets that hold all recurrence of the shown field at the current λ. Esc stops"""
+    """Divide the surface into regions that hold all that comes back to where it was (Morse sets), at the current λ. Esc
+    stops"""
 
     bl_idname = "stormfield.morse_sets"
-    bl_label = "Morse Sets"
+    bl_label = "Find Regions"
     bl_options = {"REGISTER", "UNDO"}
     job_title = "Dividing"
 
@@ -28,12 +29,12 @@ class STORMFIELD_OT_morse_sets(AnalysisOperator, bpy.types.Operator):
         show(obj, found, self._attribute)
         obj.stormfield.morse.property_unset("simplify")
         sets, links = len(found.graph.entities), len(found.graph.links)
-        self.report({"INFO"}, f"'{obj.name}' at λ {found.graph.lam:.3f}: {sets} Morse sets, {links} links")
+        self.report({"INFO"}, f"'{obj.name}' at λ {found.graph.lam:.3f}: {sets} regions, {links} links")
 
 
 class STORMFIELD_OT_refine_morse(AnalysisOperator, bpy.types.Operator):
-    """Divide coarse sets further, at the current λ: Directions by ever smaller pieces of edges, also inside faces, the
-    others by ever larger τ. Esc keeps what is done so far"""
+    """Divide coarse regions (Morse sets) further, at the current λ: Directions by ever smaller pieces of edges, also
+    inside faces, the others by ever larger τ. Esc keeps what is done so far"""
 
     bl_idname = "stormfield.refine_morse"
     bl_label = "Refine"
@@ -54,14 +55,14 @@ class STORMFIELD_OT_refine_morse(AnalysisOperator, bpy.types.Operator):
             "memory": "; the memory for it was used up",
             "cancelled": "; it was stopped, and what is divided so far is kept",
         }.get(found.decomposition.stop, "")
-        self.report({"INFO"}, f"'{obj.name}': {len(found.graph.entities)} Morse sets after refinement{ended}")
+        self.report({"INFO"}, f"'{obj.name}': {len(found.graph.entities)} regions after refinement{ended}")
 
 
 class STORMFIELD_OT_refine_set(AnalysisOperator, bpy.types.Operator):
-    """Divide the selected Morse set further; the others stay as they are. Esc stops"""
+    """Divide the selected region (Morse set) further; the others stay as they are. Esc stops"""
 
     bl_idname = "stormfield.refine_set"
-    bl_label = "Refine this Set"
+    bl_label = "Refine this Region"
     bl_options = {"REGISTER", "UNDO"}
     job_title = "Refining"
 
@@ -79,10 +80,10 @@ class STORMFIELD_OT_refine_set(AnalysisOperator, bpy.types.Operator):
     def finish(self, _context, obj, found):
         more = len(found.graph.entities) - self._before
         if more == 0:
-            self.report({"INFO"}, f"{self._name} stays one set, however far it is refined")
+            self.report({"INFO"}, f"{self._name} stays one region, however far it is refined")
             return
         show(obj, found, self._attribute)
-        self.report({"INFO"}, f"{self._name} is divided: {len(found.graph.entities)} sets, {more} more than before")
+        self.report({"INFO"}, f"{self._name} is divided: {len(found.graph.entities)} regions, {more} more than before")
 
 
 def show(obj: bpy.types.Object, found: MorseSets, attribute: str) -> None:

@@ -30,23 +30,30 @@ LISTS = (
         "NONE",
         0,
     ),
-    ("history", "Over λ", "Singularity paths of the fixed points over λ, and their bifurcations", "NONE", 1),
+    ("history", "Over Time", "Singularity paths of the fixed points over λ, and their bifurcations", "NONE", 1),
     (
         "mcg",
-        "Morse",
-        "Regions that enclose all recurrence of the flow, and their order: the Morse connection graph (MCG)",
+        "Regions",
+        "Regions that hold all that comes back to where it was (Morse sets), and their order: the Morse connection "
+        "graph (MCG)",
         "NONE",
         2,
     ),
 )
 #: Groups of the kind filter; every kind belongs to one of them.
 CATEGORIES = (
-    ("REPELLING", "Repelling", "Sources and repelling orbits: green, dashed lines", "NONE", 1),
+    ("REPELLING", "Sources", "Sources and orbits that repel: green, dashed lines", "NONE", 1),
     ("SADDLE", "Saddles", "Saddles: blue", "NONE", 2),
-    ("ATTRACTING", "Attracting", "Sinks and attracting orbits: orange, or red in the classic colours", "NONE", 4),
+    ("ATTRACTING", "Sinks", "Sinks and orbits that attract: orange, or red in the classic colours", "NONE", 4),
     ("OTHER", "Others", "Centers, degenerate and trivial ones", "NONE", 8),
-    ("EVENT", "Bifurcations", "Where fixed points appear or vanish", "NONE", 16),
-    ("CHANGE", "Changes", "Where a source becomes a sink or back: often, along the path of a vortex", "NONE", 32),
+    ("EVENT", "Events", "Where fixed points appear or vanish (bifurcations)", "NONE", 16),
+    (
+        "CHANGE",
+        "Changes",
+        "Where a source becomes a sink or back (Hopf bifurcations): often, along the path of a vortex",
+        "NONE",
+        32,
+    ),
 )
 _CATEGORY = {"source": "REPELLING", "repelling": "REPELLING", "saddle": "SADDLE", "sink": "ATTRACTING"}
 _CATEGORY |= {"attracting": "ATTRACTING", "creation": "EVENT", "annihilation": "EVENT", "hopf": "CHANGE"}
@@ -154,8 +161,8 @@ class EntityList(bpy.types.PropertyGroup):
 @overridable
 class AnalysisProperties(bpy.types.PropertyGroup):
     ecg: PointerProperty(type=EntityList, name="Now", description="Entities of one λ")
-    history: PointerProperty(type=EntityList, name="Over λ", description="Paths and bifurcations")
-    mcg: PointerProperty(type=EntityList, name="Morse", description="Morse sets of one λ")
+    history: PointerProperty(type=EntityList, name="Over Time", description="Paths and bifurcations")
+    mcg: PointerProperty(type=EntityList, name="Regions", description="Morse sets of one λ")
     shown: EnumProperty(name="Analysis", description="Which analysis is listed and edited", items=LISTS)
     version: IntProperty(name="Version", description="Counts analyses, so that drawings know what is new")
     collection: PointerProperty(type=bpy.types.Collection, name="Results", description="Objects of the analysis")
@@ -164,9 +171,9 @@ class AnalysisProperties(bpy.types.PropertyGroup):
     markers: StringProperty(name="Markers", description="Timeline markers that belong to this analysis")
     passages: StringProperty(name="Passages", description="Frames at which λ passes each bifurcation")
     persistence: FloatProperty(
-        name="Persistence",
-        description="Analyze over λ takes out paths that live through less of λ than this fraction: pairs that appear "
-        "and vanish together go, paths with a short break become one (0..1)",
+        name="Shortest Life",
+        description="Follow over Time takes out paths that live through less of λ than this fraction: pairs that "
+        "appear and vanish together go, paths with a short break become one (persistence, 0..1)",
         subtype="FACTOR",
         min=0.0,
         max=1.0,
@@ -185,15 +192,19 @@ class AnalysisProperties(bpy.types.PropertyGroup):
     )
     show: BoolProperty(name="Analysis", description="Draw the analysis in the 3D view", default=True)
     show_separatrices: BoolProperty(
-        name="Separatrices", description="Curves that leave and enter the saddles, at the λ analyzed", default=True
-    )
-    show_orbits: BoolProperty(name="Periodic Orbits", description="Closed streamlines, at the λ analyzed", default=True)
-    show_paths: BoolProperty(
-        name="Singularity Paths",
-        description="Paths of the fixed points over λ, dark at λ 0 and bright at 1",
+        name="Dividing Lines",
+        description="Curves that leave and enter the saddles (separatrices), at the λ analyzed",
         default=True,
     )
-    show_sets: BoolProperty(name="Morse Sets", description="Colour the faces of the Morse sets", default=True)
+    show_orbits: BoolProperty(
+        name="Orbits", description="Closed streamlines (periodic orbits), at the λ analyzed", default=True
+    )
+    show_paths: BoolProperty(
+        name="Paths over Time",
+        description="Paths of the fixed points over λ (singularity paths), dark at λ 0 and bright at 1",
+        default=True,
+    )
+    show_sets: BoolProperty(name="Regions", description="Colour the faces of the regions (Morse sets)", default=True)
     show_names: BoolProperty(name="Names", description="Write the names of all entities next to them", default=False)
     width: FloatProperty(
         name="Line Width",
@@ -203,8 +214,8 @@ class AnalysisProperties(bpy.types.PropertyGroup):
         default=2.0,
     )
     opacity: FloatProperty(
-        name="Set Opacity",
-        description="Opacity of the faces of Morse sets (factor 0..1)",
+        name="Region Opacity",
+        description="Opacity of the faces of regions (Morse sets, factor 0..1)",
         subtype="FACTOR",
         min=0.0,
         max=1.0,

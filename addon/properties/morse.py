@@ -45,8 +45,8 @@ class MorseProperties(bpy.types.PropertyGroup):
         update=_preview,
     )
     tau: FloatProperty(
-        name="τ",
-        description="Time for which every face is moved along the flow (seconds): longer separates sets that lie "
+        name="Flow Time",
+        description="Time τ for which every face is moved along the flow (seconds): longer separates regions that lie "
         "close together and takes longer; 0 takes a starting value from mesh and field",
         min=0.0,
         soft_max=10.0,
@@ -56,7 +56,7 @@ class MorseProperties(bpy.types.PropertyGroup):
         update=_preview,
     )
     length: FloatProperty(
-        name="Length",
+        name="Flow Length",
         description="Arc length over which every face is moved along the flow (mesh units, object space); 0 takes a "
         "starting value from mesh and field",
         min=0.0,
@@ -67,9 +67,9 @@ class MorseProperties(bpy.types.PropertyGroup):
         update=_preview,
     )
     eps: FloatProperty(
-        name="Error ε",
-        description="The sets hold for every field that differs from this one by at most this fraction of the mean "
-        "speed (percent); for the method Directions, refined or not",
+        name="Data Error",
+        description="The regions hold for every field that differs from this one by at most this fraction of the mean "
+        "speed (ε, percent); for the method Directions, refined or not",
         subtype="PERCENTAGE",
         min=0.0,
         max=100.0,
@@ -79,13 +79,13 @@ class MorseProperties(bpy.types.PropertyGroup):
     )
     live: BoolProperty(
         name="Live Preview",
-        description="Show coarse sets at once whenever λ or a setting changes; Morse Sets makes them in full",
+        description="Show coarse regions at once whenever λ or a setting changes; Find Regions makes them in full",
         default=False,
         update=_preview,
     )
     tau_max: FloatProperty(
-        name="Largest τ",
-        description="Refinement doubles τ inside a set up to this multiple of the first τ (factor)",
+        name="Longest Flow Time",
+        description="Refinement doubles the flow time τ inside a region up to this multiple of the first one (factor)",
         min=1.0,
         soft_max=256.0,
         max=1e6,
@@ -93,9 +93,9 @@ class MorseProperties(bpy.types.PropertyGroup):
         precision=0,
     )
     persistence: BoolProperty(
-        name="Persistence",
-        description="Find for each refined set the error ε at which it merges with another, to a factor of 2: takes "
-        "some twenty times as long as the sets alone",
+        name="Measure Robustness",
+        description="Find for each refined region the error ε at which it merges with another (its persistence), to a "
+        "factor of 2: takes some twenty times as long as the regions alone",
         default=False,
     )
     seconds: FloatProperty(
@@ -108,8 +108,8 @@ class MorseProperties(bpy.types.PropertyGroup):
     )
     simplify: FloatProperty(
         name="Simplify",
-        description="Merge sets that errors up to this fraction of the mean speed (percent) would merge; refined "
-        "sets keep the pieces of edges they were found with",
+        description="Merge regions that errors up to this fraction of the mean speed (percent) would merge; refined "
+        "ones keep the pieces of edges they were found with",
         subtype="PERCENTAGE",
         min=0.0,
         max=100.0,

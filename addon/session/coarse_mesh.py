@@ -22,7 +22,7 @@ def why_too_coarse(obj: bpy.types.Object) -> str:
     more = f" and {len(small) - 1} more" if len(small) > 1 else ""
     return (
         f"'{least.name}'{more}: radius {least.radius:.2g}, below the mesh's edges of {edge:.2g}. Subdivide the mesh, "
-        "solve on a density, or make the radius larger"
+        "or make the radius larger"
     )
 
 

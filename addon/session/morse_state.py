@@ -55,12 +55,12 @@ def why_set_stays(obj: bpy.types.Object) -> str:
     """Why the selected set cannot be refined by itself, and the cure; empty when it can."""
     state, entities = of(obj), obj.stormfield.analysis.mcg
     if state is None:
-        return "Make Morse Sets with the method Directions, or Refine, first"
+        return "Find Regions with the method Directions, or Refine, first"
     if entities.selected() is None:
         return "Select a Morse set in the list, the graph or the view first"
     decomposition = state.found.decomposition
     if decomposition.stop is None and (decomposition.method != "geometry" or decomposition.eps > 0):
-        return "Sets of one τ everywhere, or of Directions with an error, stay as they are; use Refine first"
+        return "Regions of one flow time everywhere, or of Directions with an error, stay as they are; use Refine first"
     return ""
 
 
@@ -68,9 +68,9 @@ def why_no_simplification(obj: bpy.types.Object) -> str:
     """Why the shown sets cannot be simplified, and the cure; empty when they can."""
     state = of(obj)
     if state is None:
-        return "Make Morse Sets again to simplify or refine them"
+        return "Find Regions again to simplify or refine them"
     if state.found.decomposition.method != "geometry":
-        return "Sets of a flow cannot be simplified; make or refine Morse Sets by Directions"
+        return "Regions of a flow cannot be simplified; find or refine regions by Directions"
     return ""
 
 
@@ -101,7 +101,7 @@ def simplify_later(obj: bpy.types.Object) -> None:
         found = objects.find(uid)
         if found is not None:
             simplify(found)
-            bpy.ops.ed.undo_push(message="Simplify Morse Sets")
+            bpy.ops.ed.undo_push(message="Simplify Regions")
 
     _after_pause("simplify", work)
 

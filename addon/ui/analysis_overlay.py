@@ -188,13 +188,13 @@ def legend_blocks(obj: bpy.types.Object, evaluated: bpy.types.Object) -> list[le
         ramp = lam_colours(np.linspace(0.0, 1.0, 13))
         named = {kind: drawing.words.get(kind, "").capitalize() or markers.NAMES[kind] for kind in markers.EVENTS}
         rows = [(kind, f"{named[kind]}  {events[kind]}") for kind in markers.EVENTS if events[kind]]
-        blocks.append(legend.Block(f"Over λ: {paths} paths", rows, ramp))
+        blocks.append(legend.Block(f"Over time: {paths} paths", rows, ramp))
     preview = morse_preview.of(obj)
     if preview is not None and analysis.show_sets:
         counts = {kind: preview.kinds.count(kind) for kind in markers.NAMES}
         blocks.append(legend.Block(f"Preview  λ {preview.lam:.3f}", _rows(counts, " set")))
     elif analysis.mcg.made and analysis.show_sets:
-        blocks.append(legend.Block(_title(obj, "Morse sets", analysis.mcg), _rows(drawing.counts["mcg"], " set")))
+        blocks.append(legend.Block(_title(obj, "Regions", analysis.mcg), _rows(drawing.counts["mcg"], " set")))
     return blocks
 
 

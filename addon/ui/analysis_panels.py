@@ -16,9 +16,9 @@ from .panel_parts import FieldPanel, draw_progress, hint, text_lines
 
 #: What stands in place of an empty list.
 EMPTY = {
-    "ecg": "Analyze at this Frame finds fixed points, orbits and their links",
-    "history": "Analyze over λ follows the fixed points and finds bifurcations",
-    "mcg": "Morse Sets divides the surface; see the Morse panel below",
+    "ecg": "Analyze at this Frame finds where flow comes from, turns and ends",
+    "history": "Follow over Time (λ) finds where storms appear, meet and vanish",
+    "mcg": "Find Regions divides the surface; see the panel Flow Regions below",
 }
 
 
@@ -135,7 +135,7 @@ class STORMFIELD_OT_show_graph(bpy.types.Operator):
         obj = active_field(context)
         analysis = obj.stormfield.analysis if obj is not None else None
         if analysis is None or not (analysis.ecg_tree or analysis.mcg_tree):
-            cls.poll_message_set("There is no graph yet: Analyze at this Frame, or make Morse sets")
+            cls.poll_message_set("There is no graph yet: Analyze at this Frame, or Find Regions")
             return False
         if context.area is None or context.screen.show_fullscreen:
             cls.poll_message_set("Needs a window with more than one editor; leave full screen")

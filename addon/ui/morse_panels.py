@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Morse panel: how sets are found, refined and simplified."""
+"""The Flow Regions panel: how Morse sets are found, refined and simplified."""
 
 import bpy
 
@@ -13,7 +13,7 @@ from .panel_parts import FieldPanel, hint, job_button, text_lines
 class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
     bl_idname = "STORMFIELD_PT_morse"
     bl_parent_id = "STORMFIELD_PT_analysis"
-    bl_label = "Morse Sets"
+    bl_label = "Flow Regions"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
@@ -56,7 +56,7 @@ class STORMFIELD_PT_morse(FieldPanel, bpy.types.Panel):
             return
         row = body.row(align=True)
         row.operator("stormfield.refine_morse", icon="MOD_MULTIRES")
-        row.operator("stormfield.refine_set", text="This Set", icon="RESTRICT_SELECT_OFF")
+        row.operator("stormfield.refine_set", text="This Region", icon="RESTRICT_SELECT_OFF")
         if obj.stormfield.analysis.mcg.made:
             hint(context, body, morse_state.why_set_stays(obj))
         column = body.column()

@@ -49,6 +49,8 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
             return
         row = layout.row(align=True)
         row.label(text=obj.name, icon="MESH_DATA")
+        if context.object == obj:
+            row.operator("stormfield.field_from_attribute", text="", icon="SPREADSHEET")
         row.operator("stormfield.remove_field", text="", icon="X")
         baked_caches.draw_offer(context, layout, obj)
         column = layout.column()
@@ -60,8 +62,6 @@ class STORMFIELD_PT_field(SidebarPanel, bpy.types.Panel):
             text_lines(context, layout, f"λ comes from {why}: bakes go through the frames to read it", icon="INFO")
         elif compat.find_fcurve(obj, "stormfield.lam") is None:
             layout.operator("stormfield.key_lambda", icon="KEY_HLT")
-        if context.object == obj:
-            layout.operator("stormfield.field_from_attribute", icon="SPREADSHEET")
         if find_modifier(obj, TURN) is not None:
             layout.prop(obj.stormfield, "speed_on")
 
@@ -103,7 +103,7 @@ def _draw_presets(layout):
     grid = body.grid_flow(row_major=True, columns=IN_A_ROW, even_columns=True, even_rows=True, align=True)
     for key, (label, _text, _settings) in elements.PRESETS.items():
         cell = grid.column(align=True)
-        cell.template_icon(icon_value=pictures.of(key), scale=1.5)
+        cell.template_icon(icon_value=pictures.of(key), scale=1.25)
         cell.operator("stormfield.draw_element", text=label).preset = key
     row = body.row(align=True)
     row.menu("STORMFIELD_MT_add_selected", text="From Selected", icon="RESTRICT_SELECT_OFF")
@@ -179,6 +179,9 @@ def _draw_solve_settings(layout, settings):
     column.prop(settings, "lambda_weight")
     column.prop(settings, "samples")
     column.prop(settings, "tolerance")
+    column.prop(settings, "solve_on")
+    if settings.solve_on == "DENSITY":
+        column.prop(settings, "edge")
     column.prop(settings, "weld")
     column.prop(settings, "keep_solver")
 

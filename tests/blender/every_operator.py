@@ -153,6 +153,8 @@ def walk(op: Operators, stormfield) -> None:
     op.tried("select_faults")
     bpy.ops.object.mode_set(mode="OBJECT")
     op.subdivide_mesh(times=1)
+    op.solve_on_density()
+    settings.solve.solve_on = "MESH"
     op.solve()
     bake = settings.bake
     bake.use_exr = bake.use_vdb = bake.use_morse = True

@@ -173,7 +173,7 @@ def test_the_overlay_gets_lines_marks_and_faces(rings):
     assert len(faces.corners) == len(faces.colours) and len(faces.corners) % 3 == 0
     assert len(faces.border) == len(faces.border_sets) > 0
     assert len(drawing.marks) == len(rings.stormfield.analysis.mcg.items)
-    assert any(block.title.startswith("Morse sets") for block in analysis_overlay.legend_blocks(rings, evaluated))
+    assert any(block.title.startswith("Regions") for block in analysis_overlay.legend_blocks(rings, evaluated))
     rings.stormfield.analysis.mcg.kinds = {"ATTRACTING"}
     fewer = analysis_drawing.drawing_of(evaluated)
     assert fewer is not drawing and 0 < len(fewer.faces.corners) < len(faces.corners)

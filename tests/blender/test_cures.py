@@ -138,3 +138,28 @@ def test_a_radius_below_the_edges_is_said_before_solving(ball):
     element.enabled = False
     element.radius = 1e-4
     assert coarse_mesh.why_too_coarse(ball) == ""
+
+
+def test_a_density_is_chosen_for_the_smallest_storm_that_the_mesh_can_show(ball):
+    from stormfield.scene.write.elements import add_element
+    from stormfield.session import coarse_mesh
+
+    edge = coarse_mesh.mean_edge(ball.data)
+    empty = bpy.data.objects.new("Eye", None)
+    empty.location = (0.0, 0.0, 1.0)
+    bpy.context.scene.collection.objects.link(empty)
+    element = add_element(ball, empty, type="singular", kind="vortex_ccw", radius=1.5 * edge)
+    ball.stormfield.solve.samples = 2
+    bpy.ops.stormfield.solve()
+    assert kinds(ball) == {"coarse"}
+    count = len(ball.data.vertices)
+    assert bpy.ops.stormfield.solve_on_density() == {"FINISHED"}
+    solve = ball.stormfield.solve
+    assert (solve.solve_on, solve.edge) == ("DENSITY", pytest.approx(0.5 * edge, rel=1e-5))
+    assert len(ball.data.vertices) == count
+    bpy.ops.stormfield.solve()
+    assert kinds(ball) == set()
+    element.radius = 0.9 * edge  # no vertex of the mesh could show it
+    assert not bpy.ops.stormfield.solve_on_density.poll()
+    bpy.ops.stormfield.solve()
+    assert kinds(ball) == {"coarse"}
