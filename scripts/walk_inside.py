@@ -83,7 +83,6 @@ def main():
     import window_shot
 
     window_shot.load_addon()
-    sys.modules["stormfield.operators.requirements"].problem.cache_clear()  # USD stood in for after the add-on asked
     bpy.context.preferences.view.show_splash = False
     bpy.app.timers.register(answer_questions, first_interval=1.0, persistent=True)
 

@@ -67,6 +67,7 @@ def do_without_usd():
     from stormfield.scene.write import attach
 
     requirements._has_usd = lambda: True
+    requirements.problem.cache_clear()  # register() has asked
     caches = {}
 
     def show(scene, *_):

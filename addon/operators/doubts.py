@@ -80,8 +80,8 @@ class STORMFIELD_OT_subdivide_mesh(CureOperator, bpy.types.Operator):
 
 
 class STORMFIELD_OT_solve_on_density(CureOperator, bpy.types.Operator):
-    """Refine the mesh inside the solve until every storm has three edges across its radius; the mesh itself stays. Solve
-    again afterwards"""
+    """Refine the mesh inside the solve until every storm has three edges across its radius; the mesh itself stays.
+    Solve again afterwards"""
 
     bl_idname = "stormfield.solve_on_density"
     bl_label = "Solve on Density"
@@ -106,7 +106,10 @@ class STORMFIELD_OT_solve_on_density(CureOperator, bpy.types.Operator):
 
     def execute(self, context):
         obj = active_field(context)
-        edge = _least_radius(obj) / ENOUGH
+        radius = _least_radius(obj)
+        if radius is None:
+            return {"CANCELLED"}
+        edge = radius / ENOUGH
         needed = len(obj.data.vertices) * (coarse_mesh.mean_edge(obj.data) / edge) ** 2
         if needed > MAX_VERTICES:
             self.report({"ERROR"}, f"That solves some {needed:,.0f} vertices; make the storms larger")

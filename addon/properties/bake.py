@@ -39,8 +39,8 @@ class BakeProperties(bpy.types.PropertyGroup):
         name="Flow Regions",
         default=False,
         description="Divide the surface at every λ sample, as the panel Flow Regions says (Morse sets), into the face "
-        "attributes sf_morse (number of the set, the same at every λ; -1 is none) and sf_morse_kind (0 source, 1 sink, 2 saddle, "
-        "3 attracting, 4 repelling, 5 trivial, 6 other)",
+        "attributes sf_morse (number of the set, the same at every λ; -1 is none) and sf_morse_kind (0 source, 1 sink, "
+        "2 saddle, 3 attracting, 4 repelling, 5 trivial, 6 other)",
     )
     use_scene_frames: BoolProperty(name="Scene Frames", description="Bake the frame range of the scene", default=True)
     frame_start: IntProperty(name="Start", description="First frame baked (frame number)", default=1)

@@ -102,6 +102,12 @@ def test_edits_are_drawn_with_their_reason_and_what_can_be_set(storms):
         assert row == ["name", "enabled"]
 
 
+def test_every_setting_of_solve_is_in_its_panel(storms):
+    settings = storms.stormfield.solve
+    settings.solve_on = "DENSITY"
+    assert set(type(settings).__annotations__) - {"solved"} <= set(draw_all())
+
+
 @pytest.mark.parametrize("method", ["geometry", "tau", "spatial"])
 def test_the_morse_panel_draws_for_each_method(rings, method):
     pytest.importorskip("igraph", reason="igraph is not installed")
