@@ -106,7 +106,7 @@ def elements() -> Iterator[bpy.types.Object]:
             point.co = (x, bend, 0.0, 1.0)
         obj = bpy.data.objects.new(label, curve)
         obj[presets.PRESET_MARK] = key
-        mark(obj, "Elements", f"{text}. Lay it on the surface, then Elements → From Selected", "element")
+        mark(obj, "Elements", f"{text}. Lay it on the surface, then Elements → Other → From Selected", "element")
         set_picture(obj, read_picture(PICTURES / f"{key.lower()}.png"))
         yield obj
 

@@ -186,6 +186,7 @@ def picture():
     bpy.context.scene.frame_set(int(os.environ.get("STORMFIELD_FRAME", "30")))
     if PICTURE == "paths":
         planet.stormfield.look.opacity = 0.4
+        planet.stormfield.look.show_elements = False  # their names would lie on those of the paths
         with bpy.context.temp_override(area=area, region=area.regions[-1]):
             print("over λ", bpy.ops.stormfield.analyze_lambda("EXEC_DEFAULT"))
         history = planet.stormfield.analysis.history

@@ -93,7 +93,7 @@ def shown_tree(obj: bpy.types.Object) -> bpy.types.NodeTree | None:
 class StormfieldEntity(bpy.types.Node):
     bl_idname = entity_nodes.NODE
     bl_label = "Entity"
-    bl_width_min, bl_width_default, bl_width_max = 40.0, entity_nodes.WIDTH, 200.0
+    bl_width_min, bl_width_default, bl_width_max = 40.0, entity_nodes.WIDTH, entity_nodes.WIDEST
 
     entity: IntProperty(description="Place in the list")
     kind: StringProperty(description="source, sink, saddle, ...")

@@ -28,6 +28,16 @@ class STORMFIELD_MT_place(bpy.types.Menu):
             self.layout.operator("stormfield.place_element", text=label).kind = key
 
 
+class STORMFIELD_MT_not_drawn(bpy.types.Menu):
+    bl_idname = "STORMFIELD_MT_not_drawn"
+    bl_label = "Other Elements"
+    bl_description = "Elements of what is there: selected curves and empties, or the place of the 3D cursor"
+
+    def draw(self, _context):
+        self.layout.menu("STORMFIELD_MT_add_selected", text="From Selected", icon="RESTRICT_SELECT_OFF")
+        self.layout.menu("STORMFIELD_MT_place", text="At Cursor", icon="PIVOT_CURSOR")
+
+
 class STORMFIELD_MT_element_list(bpy.types.Menu):
     bl_idname = "STORMFIELD_MT_element_list"
     bl_label = "Elements"
@@ -64,6 +74,7 @@ def draw_import_menu(self, _context):
 CLASSES = (
     STORMFIELD_MT_add_selected,
     STORMFIELD_MT_place,
+    STORMFIELD_MT_not_drawn,
     STORMFIELD_MT_element_list,
     STORMFIELD_MT_add,
 )

@@ -92,10 +92,12 @@ class STORMFIELD_PT_elements(FieldPanel, bpy.types.Panel):
 
 #: Presets in a row of the panel.
 IN_A_ROW = 3
+#: Height of a preset's picture, in buttons.
+PICTURE_SCALE = 1.1
 
 
 def _draw_presets(layout):
-    """Draw on the surface: one picture for each kind of flow; below, what else may become an element."""
+    """Draw on the surface: one picture for each kind of flow; last, what else may become an element."""
     header, body = layout.panel("stormfield_presets", default_closed=False)
     header.label(text="Draw on Surface", icon="GREASEPENCIL")
     if body is None:
@@ -103,18 +105,17 @@ def _draw_presets(layout):
     grid = body.grid_flow(row_major=True, columns=IN_A_ROW, even_columns=True, even_rows=True, align=True)
     for key, (label, _text, _settings) in elements.PRESETS.items():
         cell = grid.column(align=True)
-        cell.template_icon(icon_value=pictures.of(key), scale=1.25)
+        cell.template_icon(icon_value=pictures.of(key), scale=PICTURE_SCALE)
         cell.operator("stormfield.draw_element", text=label).preset = key
-    row = body.row(align=True)
-    row.menu("STORMFIELD_MT_add_selected", text="From Selected", icon="RESTRICT_SELECT_OFF")
-    row.menu("STORMFIELD_MT_place", text="At Cursor", icon="PIVOT_CURSOR")
+    cell = grid.column(align=True)
+    cell.template_icon(icon_value=0, scale=PICTURE_SCALE)
+    cell.menu("STORMFIELD_MT_not_drawn", text="Other")
 
 
 def _draw_element(context, layout, obj, element):
     layout.use_property_split = True
     layout.use_property_decorate = False
     column = layout.column()
-    column.prop(element, "type")
     if element.type == "singular":
         column.prop(element, "kind")
     if not element.from_animation:
@@ -132,6 +133,7 @@ def _draw_element(context, layout, obj, element):
         return
     body.use_property_split, body.use_property_decorate = True, False
     column = body.column()
+    column.prop(element, "type")
     column.prop(element, "source")
     column.prop(element, "field")
     if element.type == "singular" and element.kind == "saddle":

@@ -345,3 +345,12 @@ def test_blender_tells_the_graph_of_a_deleted_node(rings, native, monkeypatch):
     tree = rings.stormfield.analysis.ecg_tree
     tree.nodes.remove(tree.nodes[0])
     assert tree.session_uid in asked
+
+
+def test_nodes_of_a_graph_are_wide_enough_for_the_longest_name():
+    from stormfield.scene.nodes import entity_nodes
+
+    assert entity_nodes.width_for(["A1", "S12"]) == entity_nodes.WIDTH
+    assert entity_nodes.width_for(["A1", "Spiral Out.001"]) > entity_nodes.width_for(["A1", "Spiral Out"]) > 100
+    assert entity_nodes.width_for(["long " * 40]) == entity_nodes.WIDEST
+    assert entity_nodes.width_for([]) == entity_nodes.WIDTH

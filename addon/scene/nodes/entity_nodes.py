@@ -5,6 +5,7 @@ The classes of tree and node are in ui/graph_editor.py, which draws the links it
 hidden. Making a graph again replaces nodes and links and keeps the tree, so that editors that show it stay open.
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 import bpy
@@ -15,8 +16,10 @@ from ...analysis.entities import EntityGraph
 from ...analysis.layout import layout
 
 TREE, NODE = "StormfieldGraph", "StormfieldEntity"
-#: Width of a node, distance of neighbours, and of rows: at least, and over the graph's width.
-WIDTH, STEP = 70.0, 88.0
+#: Width of a node: at least, at most, without its name, and of a letter.
+WIDTH, WIDEST, FRAME, LETTER = 70.0, 200.0, 36.0, 7.0
+#: Space between neighbours; distance of rows: at least, and over the graph's width.
+GAP = 18.0
 ROW, SLANT = 120.0, 0.12
 
 
@@ -36,7 +39,8 @@ def show_graph(obj: bpy.types.Object, which: str, graph: EntityGraph) -> bpy.typ
     tree.nodes.clear()
     tree.routes.clear()
     tree.places.clear()
-    scale = np.array([STEP, max(ROW, SLANT * STEP * drawn.width)])
+    step = width_for(entity.name for entity in graph.entities) + GAP
+    scale = np.array([step, max(ROW, SLANT * step * drawn.width)])
     tree.row = scale[1]
     for entity, place in zip(graph.entities, drawn.positions * scale, strict=True):
         known = tree.places.add()
@@ -48,6 +52,11 @@ def show_graph(obj: bpy.types.Object, which: str, graph: EntityGraph) -> bpy.typ
             item.bends, item.bend = True, route[1] * scale
     make_whole(tree)
     return tree
+
+
+def width_for(names: Iterable[str]) -> float:
+    """Of all nodes of a graph, so that its longest name is read."""
+    return min(WIDEST, max(WIDTH, FRAME + LETTER * max(map(len, names), default=0)))
 
 
 def is_whole(tree: bpy.types.NodeTree) -> bool:
@@ -76,9 +85,9 @@ def _new_node(tree: bpy.types.NodeTree, entity: int, known) -> bpy.types.Node:
     node = tree.nodes.new(NODE)
     node.name, node.entity, node.kind = known.name, entity, known.kind
     node.label = known.name
-    node.width = WIDTH
+    node.width = width_for(tree.places.keys())
     node.hide = True  # collapsed: it shows the entity's name alone
-    node.location = (known.place[0] - 0.5 * WIDTH, known.place[1])
+    node.location = (known.place[0] - 0.5 * node.width, known.place[1])
     node.use_custom_color, node.color = True, KIND_COLOURS.get(known.kind, KIND_COLOURS["other"])
     node.select = False
     return node
