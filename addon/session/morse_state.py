@@ -57,7 +57,7 @@ def why_set_stays(obj: bpy.types.Object) -> str:
     if state is None:
         return "Find Regions with the method Directions, or Refine, first"
     if entities.selected() is None:
-        return "Select a Morse set in the list, the graph or the view first"
+        return "Select a region in the list, the graph or the view first"
     decomposition = state.found.decomposition
     if decomposition.stop is None and (decomposition.method != "geometry" or decomposition.eps > 0):
         return "Regions of one flow time everywhere, or of Directions with an error, stay as they are; use Refine first"

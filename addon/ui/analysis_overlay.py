@@ -192,7 +192,7 @@ def legend_blocks(obj: bpy.types.Object, evaluated: bpy.types.Object) -> list[le
     preview = morse_preview.of(obj)
     if preview is not None and analysis.show_sets:
         counts = {kind: preview.kinds.count(kind) for kind in markers.NAMES}
-        blocks.append(legend.Block(f"Preview  λ {preview.lam:.3f}", _rows(counts, " set")))
+        blocks.append(legend.Block(f"Preview  λ {preview.lam:.3f}", _rows(counts, " region")))
     elif analysis.mcg.made and analysis.show_sets:
         blocks.append(legend.Block(_title(obj, "Regions", analysis.mcg), _rows(drawing.counts["mcg"], " region")))
     return blocks

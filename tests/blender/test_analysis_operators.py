@@ -264,7 +264,7 @@ def test_one_set_is_refined_by_itself(rings):
     rings.stormfield.morse.method = "geometry"
     bpy.ops.stormfield.morse_sets()
     mcg = rings.stormfield.analysis.mcg
-    with pytest.raises(RuntimeError, match="Select a Morse set"):
+    with pytest.raises(RuntimeError, match="Select a region"):
         bpy.ops.stormfield.refine_set()
     mcg.active = max(range(len(mcg.items)), key=lambda i: mcg.items[i].faces)
     before = {item.faces for i, item in enumerate(mcg.items) if i != mcg.active}
