@@ -174,9 +174,10 @@ PICTURES = {
 
 def our_panels() -> list[type]:
     """In the order of the sidebar, subpanels last."""
-    from stormfield.ui import analysis_panels, morse_panels, panels
+    from stormfield.ui import analysis_panels, edit_panels, morse_panels, panels
 
-    classes = (*panels.CLASSES, *analysis_panels.CLASSES, *analysis_panels.LATER, *morse_panels.CLASSES)
+    analysis = (*analysis_panels.CLASSES, *analysis_panels.LATER)
+    classes = (*panels.CLASSES, *analysis, *edit_panels.CLASSES, *morse_panels.CLASSES)
     return [cls for cls in classes if getattr(cls, "bl_category", "") == "Stormfield"]
 
 
@@ -187,6 +188,8 @@ def open_panels(names: frozenset[str]) -> None:
     for panel in our_panels():
         if panel.bl_idname.removeprefix("STORMFIELD_PT_") in names:
             panel.bl_options = set()
+            if getattr(panel, "bl_parent_id", "").removeprefix("STORMFIELD_PT_") not in names | {""}:
+                del panel.bl_parent_id  # a subpanel by itself
             bpy.utils.register_class(panel)
 
 
