@@ -24,7 +24,7 @@ from ..model.edits import Edit, EntityAt, edits_from_json
 from ..model.errors import InputError
 from ..scene.read import folders
 from ..scene.read.active_field import active_field
-from ..scene.read.current_field import cache_of, surface_in, why_no_field
+from ..scene.read.current_field import cache_of, surface_in
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
 from ..scene.write import analysis_objects
@@ -32,57 +32,11 @@ from ..scene.write.edits import add_edit
 from ..session import freshness, made_caches, solver_state
 from ..work import Step, Steps, scaled
 from . import solve
+from .edit_choice import picked, why_not, why_not_cancel
 from .shared import FieldOperator
 
 #: Where the edit is proposed and where all is solved, in the fractions of all steps.
 PROPOSED, SOLVED = 0.15, 0.9
-#: λ that differ by less are the same.
-SAME_LAMBDA = 1e-4
-
-
-def why_not(obj: bpy.types.Object) -> str:
-    """Why the field cannot be edited now, and the cure; empty when it can."""
-    field = obj.stormfield
-    if not field.solve.solved and not why_no_field(obj):
-        return "This field was not solved here: Solve, or edit a given field with stormfield edit on the command line"
-    stale = freshness.why_out_of_date(obj)
-    reason = solve.why_not(obj) or why_no_field(obj) or (f"Solve first: {stale}" if stale else "")
-    ecg = field.analysis.ecg
-    if reason:
-        return reason
-    if not ecg.made:
-        return "Analyze at this Frame first: an edit changes what the analysis shows"
-    if ecg.shown_field != field.look.shown_field or abs(ecg.lam - field.lam) > SAME_LAMBDA:
-        return f"Analyze at this Frame again: the analysis is that of λ {ecg.lam:.3f}, or of the other field"
-    return ""
-
-
-def picked(obj: bpy.types.Object) -> tuple[int, ...]:
-    """Places in the list of the entities that are selected: several in the graph, otherwise the one of the list."""
-    ecg, tree = obj.stormfield.analysis.ecg, obj.stormfield.analysis.ecg_tree
-    nodes = [node.entity for node in tree.nodes if node.select] if tree is not None else []
-    if len(nodes) > 1:
-        return tuple(nodes)
-    return (ecg.active,) if ecg.selected() is not None else ()
-
-
-def why_not_cancel(obj: bpy.types.Object) -> str:
-    """As why_not, and why what is picked cannot be cancelled."""
-    reason = why_not(obj)
-    if reason:
-        return reason
-    chosen = picked(obj)
-    if not chosen:
-        return "Select one entity in list, graph or view, or two in the graph"
-    if len(chosen) > 2:
-        return f"{len(chosen)} entities are selected; select one, or the two that shall vanish together"
-    items = [obj.stormfield.analysis.ecg.items[index] for index in chosen]
-    center = next((item for item in items if item.kind in {"center", "degenerate"}), None)
-    if center is not None:
-        return f"{center.name} is a {center.kind}: what vanishes is a source, sink, saddle or periodic orbit"
-    if len(items) == 2 and items[0].row == items[1].row != "saddle":
-        return f"{items[0].name} and {items[1].name} both are {items[0].row}: no flow leads from one to the other"
-    return ""
 
 
 class EditOperator(solve.SolvingOperator):

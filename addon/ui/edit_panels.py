@@ -3,7 +3,8 @@
 
 import bpy
 
-from ..operators import edits
+from ..operators.edit_choice import why_not_cancel
+from ..operators.edits import EditOperator
 from ..scene.read.active_field import active_field
 from .panel_parts import FieldPanel, draw_progress, hint, text_lines
 
@@ -20,12 +21,12 @@ class STORMFIELD_PT_edits(FieldPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         obj = active_field(context)
-        if not draw_progress(layout, edits.EditOperator.job_title):
+        if not draw_progress(layout, EditOperator.job_title):
             column = layout.column(align=True)
             column.operator("stormfield.cancel_pair", icon="TRASH")
             column.operator("stormfield.cancel_weakest", icon="REMOVE")
             column.operator("stormfield.simplify", icon="MOD_DECIM")
-            hint(context, layout, edits.why_not_cancel(obj))
+            hint(context, layout, why_not_cancel(obj))
         field = obj.stormfield
         if not field.edits:
             return

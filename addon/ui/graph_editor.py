@@ -21,7 +21,7 @@ from bpy.props import (
 from gpu_extras.batch import batch_for_shader
 
 from .. import compat
-from ..operators import edits
+from ..operators.edit_choice import why_not_cancel
 from ..scene.nodes import entity_nodes
 from ..scene.read.active_field import active_field
 from ..scene.write import selection
@@ -228,7 +228,7 @@ class STORMFIELD_OT_keep_entity(bpy.types.Operator):
         if tree is None or obj is None or tree.which != "ecg" or tree.owner != obj:
             self.report({"WARNING"}, KEEPS)
             return {"CANCELLED"}
-        reason = edits.why_not_cancel(obj)
+        reason = why_not_cancel(obj)
         if reason or not bpy.ops.stormfield.cancel_pair.poll():
             self.report({"WARNING"}, reason or KEEPS)
             return {"CANCELLED"}

@@ -147,7 +147,7 @@ def test_weakest_and_simplify_take_the_same_pair(pair):
 
 
 def test_two_nodes_stay_selected_when_the_list_follows(pair):
-    from stormfield.operators.edits import picked
+    from stormfield.operators.edit_choice import picked
     from stormfield.scene.write import selection
 
     select(pair, EAST)
@@ -237,6 +237,19 @@ def test_poll_messages_say_why(pair):
     assert "Select one entity in list, graph or view" in refusal()
     select(pair, NORTH, EAST)
     assert "both are repelling" in refusal()
+    tree = pair.stormfield.analysis.ecg_tree
+    links = [(route.source, route.target) for route in tree.routes]
+    tree.routes.clear()
+    select(pair, NORTH, SOUTH)
+    assert "No flow leads from" in refusal()
+    select(pair, NORTH)
+    assert "No flow joins" in refusal()
+    for source, target in links:
+        route = tree.routes.add()
+        route.source, route.target = source, target
+    assert bpy.ops.stormfield.cancel_pair.poll()
+    select(pair, NORTH, SOUTH)  # by way of the saddle
+    assert bpy.ops.stormfield.cancel_pair.poll()
     select(pair, NORTH, SOUTH, SADDLE)
     assert "3 entities are selected" in refusal()
     bpy.context.scene.frame_set(30)
