@@ -87,7 +87,9 @@ def test_a_source_and_a_saddle_vanish_together(pair, chosen):
 
 
 def test_one_that_is_turned_off_gives_the_field_back(pair):
-    before = vectors(pair)
+    from stormfield.scene.read.attached import LAMBDA, attached_folder
+
+    before, folder = vectors(pair), attached_folder(pair, LAMBDA)
     select(pair, SADDLE)
     bpy.ops.stormfield.cancel_pair()
     edited = vectors(pair)
@@ -97,7 +99,8 @@ def test_one_that_is_turned_off_gives_the_field_back(pair):
             bpy.ops.stormfield.cancel_weakest()
         bpy.ops.stormfield.solve()
         assert vectors(pair) == expected
-        assert pair.stormfield.edits[0].status == ("applied" if enabled else "refused")
+        assert pair.stormfield.edits[0].status == ("applied" if enabled else "")
+        assert (attached_folder(pair, LAMBDA) == folder) is not enabled  # the cache from before, found at once
     bpy.ops.stormfield.remove_edit()
     bpy.ops.stormfield.solve()
     assert vectors(pair) == before and not pair.stormfield.edits

@@ -8,14 +8,13 @@ from ...model.words import Json
 
 
 def read_edits(obj: bpy.types.Object) -> tuple[Edit, ...]:
-    """In the order of the list, also those that are turned off. Raises InputError for one that cannot be."""
-    return edits_from_json({"schema": SCHEMA, "edits": [_to_json(edit) for edit in obj.stormfield.edits]})
+    """Those that are turned on, in the order of the list. Raises InputError for one that cannot be."""
+    enabled = [_to_json(edit) for edit in obj.stormfield.edits if edit.enabled]
+    return edits_from_json({"schema": SCHEMA, "edits": enabled})
 
 
 def _to_json(edit) -> dict[str, Json]:
     content: dict[str, Json] = {"type": edit.type, "lam": edit.lam, "reach": edit.reach, "field": edit.field}
-    if not edit.enabled:
-        content["enabled"] = False
     if edit.type == "simplify":
         return {**content, "keep": edit.keep}
     ends = ((edit.first_kind, edit.first_at), (edit.second_kind, edit.second_at))

@@ -26,8 +26,10 @@ def add_edit(obj: bpy.types.Object, edit: Edit, name: str) -> None:
 
 def show_outcomes(obj: bpy.types.Object, folder: Path) -> None:
     """Write beside each edit what the solve that made a λ cache says of it; nothing where the cache does not say."""
-    edits = obj.stormfield.edits
+    for edit in obj.stormfield.edits:
+        edit.status = edit.reason = ""
+    enabled = [edit for edit in obj.stormfield.edits if edit.enabled]
     outcomes = read_outcomes(folder)
-    known = len(outcomes) == len(edits)
-    for number, edit in enumerate(edits):
-        edit.status, edit.reason = (outcomes[number].status, outcomes[number].reason) if known else ("", "")
+    if len(outcomes) == len(enabled):
+        for edit, outcome in zip(enabled, outcomes, strict=True):
+            edit.status, edit.reason = outcome.status, outcome.reason
