@@ -185,7 +185,7 @@ void bindRegions(py::module_& m) {
       },
       py::arg("mesh"), py::arg("center"), py::arg("radius"),
       "Faces within a radius (mesh units) of the point of the surface closest to center (3,) float64, as far as they\n"
-      "hang together -> list of int, ascending.");
+      "hang together -> list of int, ascending. Raises InputError for a center of another shape.");
   m.def(
       "faces_in_loop",
       [](const MeshHandle& mesh, const ArrayArgument<double>& points) {

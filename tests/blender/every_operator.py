@@ -63,9 +63,7 @@ def import_everything(package) -> None:
 
 def main(folder: Path) -> None:
     hide = hide_packages()
-    assert "jsonschema" in hide.hidden and "pytest" in hide.hidden, (
-        "nothing is hidden; install the development packages"
-    )
+    assert "pytest" in hide.hidden, "nothing is hidden; install the development packages"
     import bpy
     import stormfield
 

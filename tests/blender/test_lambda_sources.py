@@ -25,6 +25,10 @@ def solved(storms, scene):
     storms.stormfield.lam = 0.25
     bpy.ops.stormfield.solve()
     yield storms
+    forget_scripts()
+
+
+def forget_scripts():
     for handlers in (bpy.app.handlers.frame_change_pre, bpy.app.handlers.frame_change_post):
         handlers[:] = [function for function in handlers if function.__module__.startswith("stormfield")]
 
@@ -213,7 +217,7 @@ def test_a_file_plays_the_same_without_the_addon(solved, scene, tmp_path, source
     without = seen_without_addon(path, "Ball", FRAMES, tmp_path)
     # Between frames, samples are joined by straight lines.
     assert max(off(a, b) for a, b in zip(without, expected, strict=True)) < 5e-3
-    bpy.app.handlers.frame_change_pre[:] = bpy.app.handlers.frame_change_post[:] = []
+    forget_scripts()
     bpy.ops.wm.open_mainfile(filepath=str(path))
 
 
@@ -334,3 +338,22 @@ def test_the_command_line_bakes_the_lambda_that_is_seen(solved, scene, tmp_path,
     assert "λ of 'Ball' comes from a driver" in capfd.readouterr().err
     (manifest,) = path.parent.glob("stormfield_cache/Ball/exr-*/manifest.json")
     assert np.allclose(json.loads(manifest.read_text())["settings"]["from"]["lambdas"], expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("source", ["keys", "nla", "slider"])
+def test_one_animation_alone_moves_the_cache_at_a_time(solved, scene, tmp_path, source):
+    """Beside a driver that is invalid, Blender's threads let an F-curve show an earlier frame now and then."""
+    SOURCES[source](solved)
+    cache_file = solved.modifiers[0].cache_file
+
+    def animations(data):
+        curve = compat.find_fcurve(data, "frame")
+        drivers = [each for each in data.animation_data.drivers if each.data_path == "frame"]
+        return curve is not None, [each.driver.variables[0].targets[0].data_path for each in drivers]
+
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"), copy=True)
+    assert animations(cache_file) == (False, ["stormfield.lam"])
+    with bpy.data.libraries.load(str(tmp_path / "shot.blend"), link=True) as (available, wanted):
+        wanted.cache_files = available.cache_files
+    (linked,) = (each for each in bpy.data.cache_files if each.library is not None)
+    assert animations(linked) == ((False, ['["storm"]']) if source == "slider" else (True, []))

@@ -43,8 +43,10 @@ def set_path(cache_file: bpy.types.CacheFile, stage: Path) -> None:
 
 
 def follow_lambda(obj: bpy.types.Object, cache_file: bpy.types.CacheFile) -> None:
-    """The cache shows the λ of `obj`, by a driver."""
+    """The cache shows the λ of `obj`, by a driver and nothing else: with an F-curve beside it Blender sometimes shows
+    the value of an earlier frame."""
     cache_file.override_frame = True
+    remove_curve(cache_file)
     cache_file.driver_remove("frame")
     driver = cache_file.driver_add("frame").driver
     driver.type = "SCRIPTED"
@@ -57,9 +59,7 @@ def follow_lambda(obj: bpy.types.Object, cache_file: bpy.types.CacheFile) -> Non
 
 def follow_frames(cache_file: bpy.types.CacheFile, scene: bpy.types.Scene) -> None:
     """The cache shows the scene's frame, of which Blender's time stretching makes another time."""
-    old = compat.find_fcurve(cache_file, "frame")
-    if old is not None:
-        compat.remove_fcurve(cache_file, old)
+    remove_curve(cache_file)
     stretch = time_stretch(scene)
     cache_file.override_frame = stretch != 1.0
     if cache_file.override_frame:
@@ -67,6 +67,13 @@ def follow_frames(cache_file: bpy.types.CacheFile, scene: bpy.types.Scene) -> No
         curve: Any = compat.find_fcurve(cache_file, "frame")
         set_points(curve, np.array([[0.0, 0.0], [stretch, 1.0]]))
         curve.extrapolation = "LINEAR"
+
+
+def remove_curve(cache_file: bpy.types.CacheFile) -> None:
+    """Take away the F-curve of the frame it shows."""
+    old = compat.find_fcurve(cache_file, "frame")
+    if old is not None:
+        compat.remove_fcurve(cache_file, old)
 
 
 def followed(cache_file: bpy.types.CacheFile) -> bpy.types.Object | None:

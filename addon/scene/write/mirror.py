@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """λ's animation, copied onto the cache file when a file is saved: it plays the same where the add-on is not installed.
 
-With the add-on a driver sets the cache file's frame from λ. Without it Blender does not know the property λ, that
-driver is invalid and leaves the value alone, so that the F-curve below it counts. Keys are copied, with their
-modifiers; a driver of λ takes the other's place in the file, as it needs no add-on; all else is sampled at each frame.
+With the add-on a driver sets the cache file's frame from λ. Without it Blender does not know the property λ, and where
+a driver that is invalid stands beside an F-curve, Blender's threads sometimes show an earlier frame: while the file is
+written an F-curve takes the driver's place. Keys are copied, with their modifiers; a driver of λ that needs no add-on
+is copied itself; all else is sampled at each frame.
 """
 
 from dataclasses import dataclass, field
@@ -17,7 +18,7 @@ from ...cache.layout import TIME_CODES_PER_LAMBDA as TIME_CODES
 from ..read.attached import FRAMES, OVER_LAMBDA, find_modifier
 from ..read.lambda_seen import lambda_alone, lambda_at_frames, time_stretch
 from ..read.lambda_source import driver_of, is_scripted, plain_keys, why_sampled
-from .cache_files import follow_frames, follow_lambda
+from .cache_files import follow_frames, follow_lambda, remove_curve
 from .fcurves import copy_scaled, is_multiple, scale, set_points
 
 #: λ may lie this far from the straight line between two frames before frames in between are sampled as well.
@@ -31,14 +32,23 @@ class Mirrored:
     """What a file has got for Blenders without the add-on, and what is to be put back once it is written."""
 
     remarks: list[str] = field(default_factory=list)
-    _driven: list[tuple[bpy.types.Object, bpy.types.CacheFile]] = field(default_factory=list)
+    _written: list[tuple[bpy.types.Object, bpy.types.CacheFile]] = field(default_factory=list)
 
-    def add_driven(self, obj: bpy.types.Object, cache_file: bpy.types.CacheFile) -> None:
-        self._driven.append((obj, cache_file))
+    def add(self, obj: bpy.types.Object, cache_file: bpy.types.CacheFile) -> None:
+        self._written.append((obj, cache_file))
+
+    def release(self) -> None:
+        """Take the drivers away that need the add-on, once nothing is evaluated any more: updates bring them back."""
+        for obj, cache_file in self._written:
+            driver = driver_of(obj)
+            if driver is not None and _needs_no_addon(driver):
+                _drive(cache_file, driver)
+            else:
+                cache_file.driver_remove("frame")
 
     def undo(self) -> None:
         """With the add-on cache files follow λ itself."""
-        for obj, cache_file in self._driven:
+        for obj, cache_file in self._written:
             follow_lambda(obj, cache_file)
 
 
@@ -50,24 +60,20 @@ def mirror_all(context: bpy.types.Context) -> Mirrored:
             flow = find_modifier(obj, FRAMES)
             if flow is not None and flow.cache_file is not None and flow.cache_file.is_editable:
                 follow_frames(flow.cache_file, context.scene)
+    mirrored.release()
     return mirrored
 
 
 def _mirror(context: bpy.types.Context, obj: bpy.types.Object, mirrored: Mirrored) -> None:
     files = [modifier.cache_file for sort in OVER_LAMBDA if (modifier := find_modifier(obj, sort)) is not None]
     files = [file for file in files if file is not None and file.is_editable]
-    if not files:
-        return
     for file in files:
-        old = compat.find_fcurve(file, "frame")
-        if old is not None:
-            compat.remove_fcurve(file, old)
+        remove_curve(file)
+        mirrored.add(obj, file)
     driver, curve = driver_of(obj), plain_keys(obj)
-    if driver is not None and _needs_no_addon(driver):
-        for file in files:
-            _drive(file, driver)
-            mirrored.add_driven(obj, file)
-    elif curve is None or not all(_copied(file, curve) for file in files):
+    if not files or (driver is not None and _needs_no_addon(driver)):
+        return
+    if curve is None or not all(_copied(file, curve) for file in files):
         why = why_sampled(obj) or ("modifiers of its keys" if curve is not None else "")
         points = _sampled(context, obj) if why else np.array([[0.0, obj.stormfield.lam * TIME_CODES]])
         for file in files:
