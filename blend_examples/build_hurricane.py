@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hurricane Michael, October 2018: real wind on a globe with clouds that flow, streamlines, and the storm's own path.
+"""Hurricane Michael, October 2018: real wind on a globe with clouds that flow, and the storm's own path.
 
 The data are 10 m wind of NOAA's GFS model, every three hours from the 6th to the 10th, in the file
 gfs_wind_michael_2018.npz of the folder that STORMFIELD_DATA names.
@@ -22,6 +22,13 @@ NAME, STILL, DATA = "hurricane", 80, "gfs_wind_michael_2018.npz"
 BEGIN, NEAR = (17.0, -87.0), 0.03
 SEEN_FROM = (22.0, -84.0)
 FACES = 81920
+#: Brightness of the material's clouds, and colours of a sea and of clouds above it.
+SEA_AND_CLOUDS = (
+    (0.04, (0.004, 0.02, 0.07, 1.0)),
+    (0.16, (0.02, 0.09, 0.2, 1.0)),
+    (0.34, (0.28, 0.42, 0.52, 1.0)),
+    (0.65, (0.9, 0.93, 0.95, 1.0)),
+)
 
 
 def on_globe(latitude: float, longitude: float, radius: float = 1.0) -> np.ndarray:
@@ -60,11 +67,13 @@ def main() -> None:
         raise SystemExit(f"{data} could not be imported")
     globe = bpy.context.object
     globe.stormfield.bake.period = 24
-    globe.data.materials.append(shading.build_material("storm_clouds"))
+    clouds = shading.build_material("storm_clouds")
+    recolour(clouds)
+    globe.data.materials.append(clouds)
     path = path_of_the_storm(globe)
     curve = parts.curve_object("Michael", 1.004 * path, scene.collection, globe)
     curve.data.bevel_depth = 0.004
-    curve.data.materials.append(bright("Path", (1.0, 0.25, 0.1)))
+    curve.data.materials.append(bright("Path", (1.0, 0.05, 0.01)))
     parts.add_sun(scene, tuple(on_globe(30.0, -50.0)), 4.0)
     parts.add_camera(scene, tuple(on_globe(*SEEN_FROM, 2.6)), tuple(on_globe(*SEEN_FROM, 1.0)), lens=45.0)
     parts.set_world(scene, (0.01, 0.012, 0.02))
@@ -80,13 +89,29 @@ def end_of(path: np.ndarray) -> str:
     return f"{latitude:.1f} N {-longitude:.1f} W"
 
 
+def recolour(material: bpy.types.Material) -> None:
+    """The colours of a gas giant become those of the earth, by brightness."""
+    tree = material.node_tree
+    link = next(link for link in tree.links if link.from_node.type == "GROUP" and link.from_socket.name == "Color")
+    source, target = link.from_socket, link.to_socket
+    brightness, ramp = tree.nodes.new("ShaderNodeRGBToBW"), tree.nodes.new("ShaderNodeValToRGB")
+    elements = ramp.color_ramp.elements
+    while len(elements) < len(SEA_AND_CLOUDS):
+        elements.new(1.0)
+    for element, (position, color) in zip(elements, SEA_AND_CLOUDS, strict=True):
+        element.position, element.color = position, color
+    tree.links.new(source, brightness.inputs[0])
+    tree.links.new(brightness.outputs[0], ramp.inputs[0])
+    tree.links.new(ramp.outputs[0], target)
+
+
 def bright(name: str, color: tuple[float, float, float]) -> bpy.types.Material:
     """A material that shines by itself."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]
     shader.inputs["Emission Color"].default_value = (*color, 1.0)
-    shader.inputs["Emission Strength"].default_value = 2.0
+    shader.inputs["Emission Strength"].default_value = 1.2
     return material
 
 

@@ -54,12 +54,13 @@ class FieldInput:
             with self.phases("image"):
                 draw(self._image, self.mesh, *arguments)
 
-    def write(self, schema: str, content: dict[str, Json], seconds: dict[str, float] | None = None) -> None:
-        """The JSON, with what all commands write."""
+    def write(self, schema: str, content: dict[str, Json], seconds: dict[str, float] | None = None) -> dict[str, Json]:
+        """The JSON, with what all commands write. Returns `content` as it is written."""
         spent = self.phases.seconds | (seconds or {})
         if self.data.geography is not None:
             content = located(content, self.data.geography)
         write_result(self._out, schema, self.read, {"mesh": describe_mesh(self.mesh), **content, "seconds": spent})
+        return content
 
     def write_part(self, schema: str, read: Reading, content: dict[str, Json]) -> None:
         """The JSON of a part of the samples, with what places and times of the whole need."""

@@ -14,6 +14,7 @@ from .blender import load_core
 from .group import cli
 from .located import located
 from .output import Phases, write_json
+from .parquet import parquet_option, write_parquet
 from .track import not_negative
 
 
@@ -22,7 +23,8 @@ from .track import not_negative
 @click.option("--json", "out", required=True, help="File to write; - is standard output.")
 @click.option("--min-life", type=float, default=MIN_LIFE, show_default=True, callback=not_negative, help="As of track.")
 @click.option("--min-strength", type=float, default=0.0, show_default=True, callback=not_negative, help="As of track.")
-def stitch(parts: tuple[str, ...], out: str, min_life: float, min_strength: float) -> None:
+@parquet_option
+def stitch(parts: tuple[str, ...], out: str, min_life: float, min_strength: float, parquet: str | None) -> None:
     """Join what `stormfield track --from --to` wrote to PARTS: the same paths and bifurcations as in one piece.
 
     Each part shares its first and last sample with its neighbours. Hopf bifurcations and the shortest life are judged
@@ -52,6 +54,8 @@ def stitch(parts: tuple[str, ...], out: str, min_life: float, min_strength: floa
         content = located(content, Geography.from_json(first["geography"]))
     about = {"schema": "stormfield.tracking/1", "read": _whole_reading(windows), "mesh": first["mesh"]}
     write_json(out, {**about, **content, "seconds": phases.seconds})
+    if parquet is not None:
+        write_parquet(parquet, content)
 
 
 def _read(name: str) -> Json:

@@ -13,6 +13,7 @@ from .field_input import FieldInput, field_command
 from .following import followed_whole, write_part
 from .group import cli
 from .memory import limit_of
+from .parquet import parquet_option, write_parquet
 from .window import window_options
 
 
@@ -46,6 +47,7 @@ def _positive(_context: click.Context, parameter: click.Parameter, given: float 
     callback=not_negative,
     help="Weaker paths are left out, 1/s.",
 )
+@parquet_option
 @window_options
 @click.option(
     "--windows",
@@ -64,6 +66,7 @@ def track(
     given: FieldInput,
     min_life: float,
     min_strength: float,
+    parquet: str | None,
     start: str | None,
     to: str | None,
     windows: int | None,
@@ -88,6 +91,8 @@ def track(
         raise InputError("--scheduler is for windows; give their number with --windows")
     limit = limit_of(memory)
     if start is not None or to is not None:
+        if parquet is not None:
+            raise InputError("--parquet is for the whole; give it to stormfield stitch")
         write_part(given, start, to, limit)
         return
     whole = followed_whole(given, windows, scheduler, limit)
@@ -98,7 +103,7 @@ def track(
         count = len(whole.lambdas) * given.mesh.vertex_count
         given.note(f"{whole.zero_vectors} of {count} vectors are zero; fixed points among them are degenerate")
     given.draw(draw_tracking, found)
-    given.write(
+    written = given.write(
         "stormfield.tracking/1",
         {
             "lam": whole.lambdas,
@@ -109,3 +114,5 @@ def track(
             **tracking.to_json(found),
         },
     )
+    if parquet is not None:
+        write_parquet(parquet, written)

@@ -277,6 +277,38 @@ def test_windows_share_one_sample_and_are_nearly_equal(samples, count, windows):
     assert np.ptp([last - first for first, last in found]) <= 1
 
 
+# Tables ---------------------------------------------------------------------------------------------------------------
+
+
+def test_tables_hold_what_the_json_holds(capsys, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed: pip install pyarrow")
+    wind = wind_file(tmp_path)
+    options = ("--sphere-faces", 1280, "--json", tmp_path / "a.json", "--parquet", tmp_path / "tables")
+    assert run(capsys, "track", wind, *options)[0] == 0
+    content = json.loads((tmp_path / "a.json").read_text())
+    names = ("paths", "samples", "bifurcations")
+    paths, samples, events = (parquet.read_table(tmp_path / "tables" / f"{name}.parquet").to_pylist() for name in names)
+    assert [(p["name"], p["begin"], p["end"], p["life"]) for p in paths] == [
+        (p["name"], *p["ends"], p["life"]) for p in content["paths"]
+    ]
+    assert [
+        (s["path"], s["kind"], s["lam"], s["x"], s["y"], s["z"], s["latitude"], s["longitude"]) for s in samples
+    ] == [
+        (p["name"], kind, *row, *place)
+        for p in content["paths"]
+        for row, kind, place in zip(p["samples"], p["kinds"], p["places"], strict=True)
+    ]
+    assert [[e["lam"], e["kind"], e["paths"], e["latitude"]] for e in events] == [
+        [e["lam"], e["kind"], e["paths"], e["latitude"]] for e in content["bifurcations"]
+    ]
+
+
+def test_tables_without_pyarrow_are_refused_before_anything_is_read(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("stormfield.cli.parquet.find_spec", lambda _name: None)
+    line = refused(capsys, "track", tmp_path / "none.nc", "--json", "-", "--parquet", tmp_path / "tables")
+    assert "pip install stormfield[parquet]" in line
+
+
 # Memory ---------------------------------------------------------------------------------------------------------------
 
 
