@@ -50,7 +50,8 @@ class STORMFIELD_UL_entities(bpy.types.UIList):
     bl_idname = "STORMFIELD_UL_entities"
 
     def draw_item(self, _context, layout, data, item, _icon, _active, _property, _index=0, _flag=0):
-        split = layout.split(factor=0.62 if self.list_id != "history" else 0.58)
+        lives = self.list_id == "history" and item.lam_end > item.lam_start  # two numbers
+        split = layout.split(factor=0.58 if lives else 0.66)
         split.label(text=item.name, icon_value=icons.of(item.kind))
         number = split.row()
         number.alignment = "RIGHT"
