@@ -8,8 +8,8 @@ bifurcations.parquet   lam, x, y, z, kind, node, paths, and of data on the earth
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
-from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -31,8 +31,13 @@ def parquet_option(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _checked(_context: click.Context, _parameter: click.Parameter, folder: str | None) -> str | None:
-    if folder is not None and find_spec("pyarrow") is None:
-        raise InputError("--parquet needs the Python package pyarrow: pip install stormfield[parquet]")
+    if folder is not None:
+        try:
+            importlib.import_module("pyarrow.parquet")
+        except ImportError as error:
+            raise InputError(
+                f"--parquet needs pyarrow, which cannot be loaded ({error}): pip install stormfield[parquet]"
+            ) from error
     return folder
 
 
