@@ -5,6 +5,7 @@ Pages are read as text; the site itself is built by `make docs`, which takes war
 """
 
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -151,3 +152,13 @@ def test_the_checks_can_fail():
     assert anchors("```{settings} SolveProperties\nlambda_weight\n```\n") == {"solveproperties-lambda-weight"}
     assert decisions_cited("(docs/architecture.md, decisions 6 and 77)") == ["6", "77"]
     assert commands.escaped("a_b `c_d`") == "a\\_b `c_d`"
+
+
+def test_settings_are_read_without_blender():
+    """As `make docs` does; beside the bpy of these tests Blender's other modules are there too."""
+    code = (
+        f"import sys; sys.path.insert(0, {str(ROOT / 'docs' / 'extension')!r}); "
+        "from stormfield_docs import addon; assert addon.settings(); assert 'mathutils' not in sys.modules"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -204,10 +204,15 @@ class _Props(types.ModuleType):
         return lambda **options: _Recorded(name.removesuffix("Property"), options)
 
 
+#: Blender's other modules, of which functions use what definitions only name.
+OTHERS = ("blf", "bmesh", "bpy_extras", "bpy_extras.io_utils", "gpu", "gpu_extras", "gpu_extras.batch", "mathutils",
+          "mathutils.bvhtree")  # fmt: skip
+
+
 def _blender() -> dict[str, types.ModuleType]:
     bpy = types.ModuleType("bpy")
     bpy.types, bpy.props = _Types("bpy.types"), _Props("bpy.props")  # type: ignore[attr-defined]
-    return {"bpy": bpy, "bpy.types": bpy.types, "bpy.props": bpy.props}
+    return {"bpy": bpy, "bpy.types": bpy.types, "bpy.props": bpy.props, **{name: _Types(name) for name in OTHERS}}
 
 
 @contextmanager
@@ -224,6 +229,7 @@ def _tree_package(name: str, blender: bool = False) -> Iterator[None]:
     try:
         yield
     finally:
-        for each in [each for each in sys.modules if each.split(".")[0] in {name, "bpy"}]:
+        standing_in = {"bpy", *OTHERS}
+        for each in [each for each in sys.modules if {each.split(".")[0], each} & {name, *standing_in}]:
             del sys.modules[each]
-        sys.modules.update({key: module for key, module in before.items() if key.split(".")[0] == "bpy"})
+        sys.modules.update({key: module for key, module in before.items() if {key.split(".")[0], key} & standing_in})
