@@ -215,7 +215,7 @@ def solved_fields(obj: bpy.types.Object, mesh) -> dict[str, np.ndarray]:
     return {name: middle[name] for name in FIELDS if name in middle}
 
 
-def _add_wind(context, obj: bpy.types.Object, surface: native.TriangleMesh, part: int) -> None:
+def _add_wind(context, obj: bpy.types.Object, surface: "native.TriangleMesh", part: int) -> None:
     """An arrow along x at the front of the part, in its surface."""
     vertices = np.asarray(surface.vertices)
     own = np.flatnonzero(np.asarray(surface.components) == part)

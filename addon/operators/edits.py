@@ -45,7 +45,7 @@ class EditOperator(solve.SolvingOperator):
     job_title = "Editing"
     why_not = staticmethod(why_not)
 
-    def propose(self, sample: native.VectorField) -> Steps[dict]:
+    def propose(self, sample: "native.VectorField") -> Steps[dict]:
         """The members of the edit that are its own. Raises InputError where the core refuses it."""
         raise NotImplementedError
 

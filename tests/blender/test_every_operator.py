@@ -31,3 +31,25 @@ def test_a_package_that_is_missing_is_found(tmp_path):
             [sys.executable, "-c", f"{code}; import {name}"], capture_output=True, text=True, check=False, env=env
         )
         assert (done.returncode == 0) == works, (name, done.stderr)
+
+
+def test_without_its_core_the_addon_registers_and_says_what_is_missing():
+    """The preferences can say it only then; importing the add-on must not load the core."""
+    code = """
+import os, sys
+import bpy
+
+class Refuse:
+    def find_spec(self, name, path=None, target=None):
+        if name == "stormfield_native":
+            raise ImportError("libz.so.9: cannot open shared object file: No such file or directory")
+
+sys.meta_path.insert(0, Refuse())
+import stormfield
+stormfield.register()
+print("REGISTERED", flush=True)
+os._exit(0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "REGISTERED" in done.stdout, done.stderr
+    assert "Stormfield: The compiled core needs the library libz.so.9" in done.stderr
