@@ -25,7 +25,7 @@ pytestmark = pytest.mark.skipif(ZIP is None, reason="STORMFIELD_ZIP names no zip
 def machine(tmp_path_factory):
     if reason := missing():
         pytest.fail(f"no clean machine can be made here: {reason}")
-    root = ROOT / "build" / "clean" / f"root-{sys.version_info.minor}"
+    root = ROOT / "build" / "clean" / "root"
     done = subprocess.run([ROOT / "scripts" / "clean_root.sh", root], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     made = CleanMachine(root, *(tmp_path_factory.mktemp(name) for name in ("blender", "home", "given")))
