@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ from ..model.errors import InputError
 from ..readers import Choice
 from .blender import load_core
 from .group import cli
+from .json_file import read_json
 from .output import Phases, describe_mesh, field_argument, surface_of, write_result
 from .progress import progress
 
@@ -74,14 +74,7 @@ def read_edits(path: Path) -> tuple[Edit, ...]:
     """The edits of a JSON file. Raises InputError."""
     from ..model.edits import edits_from_json
 
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; check the name") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error})") from error
-    except ValueError as error:
-        raise InputError(f"{path}: is not JSON ({error})") from error
+    data = read_json(path)
     try:
         return edits_from_json(data)
     except InputError as fault:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,7 @@ import click
 from ..model.errors import InputError
 from .blender import load_core
 from .group import cli
+from .json_file import read_json
 from .output import Phases, describe_mesh, write_result
 from .progress import progress
 
@@ -59,14 +59,7 @@ def read_design(path: Path) -> tuple[MeshData, Design, Reading]:
     from ..model.mesh_data import MeshData
     from ..readers import Reading, read_mesh
 
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; check the name") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error})") from error
-    except ValueError as error:
-        raise InputError(f"{path}: is not JSON ({error})") from error
+    data = read_json(path)
     try:
         design = Design.from_json(data)
         source = data.get("mesh")
