@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,8 @@ LENGTHS = (
     ({"h", "hr", "hrs", "hour", "hours"}, 3600.0),
     ({"d", "day", "days"}, 86400.0),
 )
+#: NumPy's own rounds the last bit by where its arrays happen to lie in memory.
+_ARCTAN2 = np.frompyfunc(math.atan2, 2, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +57,8 @@ class Geography:
     def latitude_longitude(self, positions) -> np.ndarray:
         """(..., 3) → (..., 2) degrees north, and east from −180 to 180."""
         x, y, z = np.moveaxis(np.asarray(positions, np.float64), -1, 0)
-        return np.degrees(np.stack([np.arctan2(z, np.hypot(x, y)), np.arctan2(y, x)], axis=-1))
+        latitude, longitude = _ARCTAN2(z, np.hypot(x, y)), _ARCTAN2(y, x)
+        return np.degrees(np.stack([latitude, longitude], axis=-1).astype(np.float64))
 
     def times(self, lambdas) -> list[str] | list[float] | None:
         """When each λ is: dates to the second, or numbers in the file's unit; None where the file has no times."""
