@@ -34,7 +34,10 @@ OPERATORS = {
         *("analyze", "analyze_lambda", "go_to_entity", "show_graph", "update_markers"),
         *("forget_analysis", "select_entity"),
     ),
-    "panels/edits": ("cancel_pair", "cancel_weakest", "simplify", "remove_edit", "move_edit"),
+    "panels/edits": (
+        *("cancel_pair", "cancel_weakest", "simplify", "move_point", "smooth_region", "transform_field"),
+        *("remove_edit", "move_edit"),
+    ),
     "panels/graph": ("keep_entity",),
     "panels/curves": ("streamlines", "pathlines"),
     "panels/morse": ("morse_sets", "refine_morse", "refine_set"),

@@ -6,8 +6,11 @@
 The cache holds what a solved one holds, so that analyses, streamlines and bakes work on it as on that.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -33,11 +36,12 @@ WRITTEN = 0.95
 class GivenField:
     """lambdas: increasing, in 0..1. vectors: (n, 3) in object space, mesh units per second, for each λ, made when they
     are asked for or there already; what is across the surface is left out. origin: what they are made from; the cache
-    is found again by it, so that it has to change with them."""
+    is found again by it, so that it has to change with them. orientation: where it is another field than what moves."""
 
     lambdas: tuple[float, ...]
     vectors: Iterable[np.ndarray]
     origin: Mapping[str, Json]
+    orientation: Iterable[np.ndarray] | None = None
 
 
 def given_steps(
@@ -51,18 +55,19 @@ def given_steps(
     missing = set((yield from unfinished(writer, range(len(plan.times)))))
     if missing:
         surface = _Surface(manifold(mesh))
-        for j, vectors in enumerate(_all(given)):
+        for j, (vectors, turns) in enumerate(_all(given)):
             start, end = (between(0.0, WRITTEN, (j + part) / len(plan.times)) for part in (0, 1))
             if j in missing:
-                attributes = yield from scaled(_attributes(surface, vectors), start, end)
+                attributes = yield from scaled(_attributes(surface, vectors, turns), start, end)
                 writer.write_sample(j, attributes)
             yield Step(end, f"Writing sample {j + 1} of {len(plan.times)}")
     yield from scaled(writer.finish(), WRITTEN, 1.0)
     return target
 
 
-def _all(given: GivenField) -> Iterator[np.ndarray]:
-    yield from given.vectors
+def _all(given: GivenField) -> Iterator[tuple[np.ndarray, np.ndarray | None]]:
+    """Advection and, where it is another one, orientation, sample by sample."""
+    yield from zip(given.vectors, repeat(None) if given.orientation is None else given.orientation, strict=False)
 
 
 class _Surface:
@@ -73,15 +78,19 @@ class _Surface:
         self.mesh = fields.native_mesh(part.mesh)
         self.rotation = Rotation(self.mesh)
 
+    def field(self, vectors: np.ndarray) -> native.VectorField:
+        """(n, 3) at the vertices of the mesh."""
+        return native.VectorField.from_space(self.mesh, self.part.to_surface(np.asarray(vectors, np.float64)))
 
-def _attributes(surface: _Surface, vectors: np.ndarray) -> Steps[dict[str, np.ndarray]]:
+
+def _attributes(surface: _Surface, vectors: np.ndarray, turns: np.ndarray | None) -> Steps[dict[str, np.ndarray]]:
     """What a λ cache holds of one λ."""
-    field = native.VectorField.from_space(surface.mesh, surface.part.to_surface(np.asarray(vectors, np.float64)))
+    field = surface.field(vectors)
     tangent = field.to_space()
     one = native.ParameterizedField(surface.mesh, np.zeros(1), np.asarray(field.values)[None])
     stream = yield from result_of(native.start_stream_functions(one), 0.0, "Finding the stream function")
     attributes = {
-        fields.ORIENTATION: tangent,
+        fields.ORIENTATION: tangent if turns is None else surface.field(turns).to_space(),
         fields.ADVECTION: tangent,
         fields.SPEED: np.linalg.norm(tangent, axis=1),
         fields.STREAM: stream[0],

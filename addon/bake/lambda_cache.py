@@ -25,7 +25,8 @@ from ..model.polygons import Polygons
 from ..solve import SolverState, start_solve
 from ..version import VERSION
 from ..work import Step, Steps, result_of, scaled
-from .edited import edited_solution, outcomes_of, write_outcomes
+from .edited import edited_solution, write_outcomes
+from .reuse import Reuse
 from .unfinished import unfinished
 
 #: Where the solve ends, the edits, and the stream functions, after which writing begins, in the fractions of all steps.
@@ -43,19 +44,25 @@ def solve_steps(
     folder: Path | None = None,
     resume: bool = True,
     state: SolverState | None = None,
+    reuse: Reuse | None = None,
 ) -> Steps[Path]:
     """Solves a design into its λ cache, root/lambda-<key>, or `folder`; returns that folder.
 
     resume: samples that are there already, from the same design and mesh, are kept.
     state: while an artist edits, each solve starts from the last one. Its bytes then depend on the edits before, so
     such a cache says so in its settings and has a folder of its own; bake_steps solves it from zero before it bakes.
+    reuse: what earlier calls left, so that a design with other edits alone is not solved again.
     Ends of paths that nearly meet are joined, and a note says so.
     """
+    reuse = reuse or Reuse()
     design.check()
     design, joins = joined(design)
     plan = lambda_plan(mesh, design)
     target = folder or Path(root) / plan.folder_name("lambda")
-    if state is not None and state.holds(mesh) and not (target / MANIFEST).exists():
+    unedited = lambda_plan(mesh, replace(design, edits=())).folder_name("lambda")
+    known = reuse.holds(unedited)
+    warm = reuse.warm if known else state is not None and state.holds(mesh)
+    if warm and not (target / MANIFEST).exists():
         plan = replace(plan, settings={**plan.settings, **WARM_STARTED})
         target = folder or Path(root) / plan.folder_name("lambda")
         # Samples of two solves that stopped halfway would not fit together.
@@ -66,11 +73,15 @@ def solve_steps(
     if missing:
         if joins:
             yield Step(0.0, "Solving", notes=joins)
-        solution = yield from result_of(start_solve(mesh, design, state), 0.0, "Solving", SOLVE_END)
-        edited = yield from scaled(edited_solution(solution, design), SOLVE_END, EDIT_END)
+        if not known or reuse.solution is None:
+            solution = yield from result_of(start_solve(mesh, design, state), 0.0, "Solving", SOLVE_END)
+            reuse.keep(unedited, solution, warm=warm)
+        else:
+            solution = reuse.solution
+        edited = yield from scaled(edited_solution(solution, design, reuse.edits), SOLVE_END, EDIT_END)
         solution = edited.solution
         if design.edits:
-            write_outcomes(target, outcomes_of(edited, design))
+            write_outcomes(target, edited.outcomes)
         streams = native.start_stream_functions(solution.fields["advection"])
         stream = yield from result_of(streams, EDIT_END, "Finding the stream functions", STREAM_END)
         yield Step(STREAM_END, "Writing the samples", notes=(*solution.notes, *edited.notes))

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from .. import native
-from ..model.design import SolveSettings
+from ..model.design import FieldName, SolveSettings
 from ..model.manifold import Manifold, manifold
 from ..model.mesh_data import MeshData
 from .field_cache import FieldCache
@@ -18,7 +18,7 @@ ROTATION = "sf_rotation"
 #: What a λ cache holds.
 ATTRIBUTES = (ORIENTATION, ADVECTION, SPEED, STREAM, ROTATION)
 #: Attribute of each of the two fields.
-ATTRIBUTE = {"orientation": ORIENTATION, "advection": ADVECTION}
+ATTRIBUTE: Mapping[FieldName, str] = {"orientation": ORIENTATION, "advection": ADVECTION}
 
 
 def attributes_of(solution, stream: np.ndarray, indices: Iterable[int]) -> Iterator[dict[str, np.ndarray]]:

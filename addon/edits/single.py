@@ -114,17 +114,23 @@ def region_faces(mesh: native.TriangleMesh, edit: Edit) -> np.ndarray:
 def _smoothed(field: native.VectorField, edit: Edit) -> SampleEdit:
     faces = region_faces(field.mesh, edit)
     smooth = native.smooth_region(field, faces)
-    before, after = np.asarray(field.values), np.asarray(smooth.values)
-    both = (before != after) & (before != 0.0) & (after != 0.0)
-    ratio = after[both] / before[both]
+    angle, length = change_between(np.asarray(field.values), np.asarray(smooth.values))
     return SampleEdit(
         smooth,
         True,
         faces=tuple(int(face) for face in faces),
         fill="harmonic",
-        largest_angle=float(np.abs(np.angle(ratio)).max(initial=0.0)),
-        largest_length=float(np.abs(np.abs(ratio) - 1.0).max(initial=0.0)),
+        largest_angle=angle,
+        largest_length=length,
     )
+
+
+def change_between(before: np.ndarray, after: np.ndarray) -> tuple[float, float]:
+    """Largest angle (radians) and relative length between complex vectors before and after."""
+    both = (before != after) & (before != 0.0) & (after != 0.0)
+    ratio = after[both] / before[both]
+    angle = float(np.abs(np.angle(ratio)).max(initial=0.0))
+    return angle, float(np.abs(np.abs(ratio) - 1.0).max(initial=0.0))
 
 
 def _simplified(result: native.SimplifyResult, edit: Edit) -> SampleEdit:

@@ -14,10 +14,11 @@ from typing import Literal, get_args
 
 from . import schemas
 from .errors import InputError
+from .transform import Transform, transform_from_json
 from .words import Json
 
 SCHEMA = "stormfield.edits/1"
-EditType = Literal["cancel", "move", "smooth", "simplify"]
+EditType = Literal["cancel", "move", "smooth", "simplify", "transform"]
 TYPES: tuple[EditType, ...] = get_args(EditType)
 Vector = tuple[float, float, float]
 #: What an edit of each type must say, and what besides.
@@ -26,9 +27,16 @@ NEEDS: Mapping[EditType, tuple[str, ...]] = {
     "move": ("entity", "to"),
     "smooth": ("region",),
     "simplify": (),
+    "transform": (),
 }
-MAY: Mapping[EditType, tuple[str, ...]] = {"cancel": (), "move": (), "smooth": (), "simplify": ("epsilon", "keep")}
-ALL = ("type", "enabled", "field", "lam", "reach")
+MAY: Mapping[EditType, tuple[str, ...]] = {
+    "cancel": ("reach",),
+    "move": ("reach",),
+    "smooth": ("reach",),
+    "simplify": ("reach", "epsilon", "keep"),
+    "transform": ("angle", "scale", "stretch", "axis", "frozen", "region", "falloff"),
+}
+ALL = ("type", "enabled", "field", "lam")
 
 
 @dataclass(frozen=True)
@@ -61,9 +69,14 @@ class Edit:
     region: Region = Region()
     epsilon: float | None = None
     keep: int = 0
+    transform: Transform | None = None
     field: Literal["orientation", "advection", "both"] = "both"
     enabled: bool = True
     given: tuple[tuple[str, Json], ...] = ()  #: the JSON that it came from
+
+    @property
+    def has_region(self) -> bool:
+        return self.region != Region()
 
     def to_json(self) -> dict[str, Json]:
         return dict(self.given)
@@ -92,15 +105,17 @@ def _edit(data: Mapping[str, Json], where: str) -> Edit:
     if kind == "cancel" and data["entities"][0] == data["entities"][1]:
         raise InputError(f"{where}: the {data['entities'][0]['kind']} is given twice: choose two entities")
     entities = data.get("entities", [data["entity"]] if "entity" in data else [])
+    lam = _range(data.get("lam", [0.0, 1.0] if kind == "transform" else 0.0), kind, where)
     return Edit(
         type=kind,
-        lam=_range(data.get("lam", 0.0), kind, where),
+        lam=lam,
         reach=float(data.get("reach", 0.0)),
         entities=tuple(EntityAt(entity["kind"], _vector(entity["at"])) for entity in entities),
         to=_vector(data.get("to", (0.0, 0.0, 0.0))),
         region=_region(data["region"], where) if "region" in data else Region(),
         epsilon=data.get("epsilon"),
         keep=data.get("keep", 0),
+        transform=transform_from_json(data, lam, where) if kind == "transform" else None,
         field=data.get("field", "both"),
         enabled=data.get("enabled", True),
         given=tuple(data.items()),

@@ -79,4 +79,6 @@ def _describe(error: "JsonSchemaValueException", noun: str) -> str:
             return f"has {len(error.value)} values: give at {bound} {rule}"
         case "oneOf" if noun == "design":
             return 'is neither {"vertices", "triangles"} nor {"file"}: give one of them'
+        case "oneOf" if "description" in error.definition:
+            return f"is {shown}, and takes: {error.definition['description']}"
     return f"{error.message}: see {noun}.schema.json"

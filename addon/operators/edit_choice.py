@@ -11,13 +11,25 @@ from . import solve
 SAME_LAMBDA = 1e-4
 
 
-def why_not(obj: bpy.types.Object) -> str:
+def why_not_field(obj: bpy.types.Object) -> str:
     """Why the field cannot be edited now, and the cure; empty when it can."""
     field = obj.stormfield
     if not field.solve.solved and not why_no_field(obj):
         return "This field was not solved here: Solve, or edit a given field with stormfield edit on the command line"
     stale = freshness.why_out_of_date(obj)
-    reason = solve.why_not(obj) or why_no_field(obj) or (f"Solve first: {stale}" if stale else "")
+    return solve.why_not(obj) or why_no_field(obj) or (f"Solve first: {stale}" if stale else "")
+
+
+def why_not_region(obj: bpy.types.Object) -> str:
+    """The same for edits of a region, which may be selected in Edit Mode."""
+    if obj.mode != "EDIT":
+        return why_not_field(obj)
+    return "" if obj.stormfield.solve.solved else "Solve first: there is no field on the mesh yet"
+
+
+def why_not(obj: bpy.types.Object) -> str:
+    """Why what the analysis shows cannot be edited now, and the cure; empty when it can."""
+    field, reason = obj.stormfield, why_not_field(obj)
     ecg = field.analysis.ecg
     if reason:
         return reason
@@ -54,6 +66,19 @@ def why_not_cancel(obj: bpy.types.Object) -> str:
     if len(items) == 2 and items[0].row == items[1].row != "saddle":
         return f"{items[0].name} and {items[1].name} both are {items[0].row}: no flow leads from one to the other"
     return _why_apart(obj.stormfield.analysis.ecg_tree, chosen)
+
+
+def why_not_move(obj: bpy.types.Object) -> str:
+    """As why_not, and why what is selected cannot be moved."""
+    reason = why_not(obj)
+    if reason:
+        return reason
+    item = obj.stormfield.analysis.ecg.selected()
+    if item is None:
+        return "Select a fixed point in list, graph or view"
+    if item.kind not in {"source", "sink", "saddle", "center"}:
+        return f"{item.name} is no source, sink, saddle or center: those can be moved"
+    return ""
 
 
 def _why_apart(tree: bpy.types.NodeTree | None, chosen: tuple[int, ...]) -> str:

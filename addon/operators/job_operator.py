@@ -86,6 +86,13 @@ class JobOperator(FieldOperator):
     def invoke(self, context, _event):
         if bpy.app.background:
             return self.execute(context)
+        fault = self.begin(context)
+        if not fault:
+            context.window_manager.modal_handler_add(self)
+        return fault or {"RUNNING_MODAL"}
+
+    def begin(self, context) -> set[str]:
+        """Start the work, which modal() goes on with; what the operator returns where it cannot start."""
         obj = self.subject(context)
         self._steps, self._shown, self._ending = None, "", False
         try:
@@ -96,8 +103,7 @@ class JobOperator(FieldOperator):
         manager = context.window_manager
         manager.progress_begin(0, 100)
         self._timer = manager.event_timer_add(TICK, window=context.window)
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        return set()
 
     def modal(self, context, event):
         if self._is_stopped_by(event):

@@ -25,6 +25,13 @@ def why_not(obj: bpy.types.Object) -> str:
     return requirements.problem()
 
 
+def kept_of(obj: bpy.types.Object) -> dict:
+    """What the last solve left for the next one: arguments of solve_steps."""
+    if not obj.stormfield.solve.keep_solver:
+        return {}
+    return {"state": solver_state.of(obj), "reuse": solver_state.reuse_of(obj)}
+
+
 class SolvingOperator(JobOperator):
     """Mix-in of operators that solve a field and show it."""
 
@@ -34,10 +41,9 @@ class SolvingOperator(JobOperator):
     def start(self, context, obj):
         mesh, design = self._solves = read_design(context, obj)
         self._read = freshness.read(obj)
-        state = solver_state.of(obj) if obj.stormfield.solve.keep_solver else None
         root = folders.cache_root(obj)
         self._before = made_caches.existing(root)
-        return solve_steps(mesh, design, root, read_polygons(obj), state=state)
+        return solve_steps(mesh, design, root, read_polygons(obj), **kept_of(obj))
 
     def finish(self, _context, obj, folder):
         attach.show_solved(obj, folder)

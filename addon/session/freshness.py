@@ -18,6 +18,7 @@ import bpy
 from ..model.words import Json
 from ..scene.read import freshness as reading
 from ..scene.read.attached import LAMBDA, attached_folder, find_modifier
+from ..scene.read.facts import values_of
 from ..scene.read.topology import Fit, fit
 
 
@@ -118,7 +119,7 @@ def _settings(obj: bpy.types.Object) -> tuple:
 def _read_settings(obj: bpy.types.Object) -> tuple:
     field = obj.stormfield
     return (
-        reading.values_of(field.solve),
-        tuple([(each.name, each.enabled, each.source, reading.values_of(each)) for each in field.elements]),
-        tuple([(edit.enabled, reading.values_of(edit)) for edit in field.edits]),
+        values_of(field.solve),
+        tuple([(each.name, each.enabled, each.source, values_of(each)) for each in field.elements]),
+        tuple([(edit.enabled, edit.loop, edit.axis_curve, values_of(edit)) for edit in field.edits]),
     )

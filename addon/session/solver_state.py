@@ -7,10 +7,12 @@ solve never depends on what was solved before.
 
 import bpy
 
+from ..bake.reuse import Reuse
 from ..solve import SolverState
 
 _uid: int | None = None
 _state: SolverState | None = None
+_reused: tuple[int, Reuse] | None = None
 
 
 def of(obj: bpy.types.Object) -> SolverState | None:
@@ -24,7 +26,15 @@ def of(obj: bpy.types.Object) -> SolverState | None:
     return _state
 
 
+def reuse_of(obj: bpy.types.Object) -> Reuse:
+    """What the last solve left for one with other edits; in background mode too, since it changes no bits."""
+    global _reused
+    if _reused is None or _reused[0] != obj.session_uid:
+        _reused = (obj.session_uid, Reuse())
+    return _reused[1]
+
+
 def forget() -> None:
     """Give the memory back; the next solve starts from zero."""
-    global _state
-    _state = None
+    global _state, _reused
+    _state = _reused = None

@@ -7,6 +7,7 @@ that they hang on. Parts that stand alone and hold no element have none.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from .. import native
 from ..model.cutting import connected
 from ..model.design import FIELDS
+from ..model.errors import InputError
 from ..model.manifold import Manifold
 
 
@@ -48,6 +50,15 @@ class Carried:
         """(k, …) at the vertices of the surface → (n, …) at those of the mesh."""
         filled = values if self._nearest is None else self._nearest.fill(values)
         return self._manifold.to_mesh(filled[: len(self._manifold.origin)])  # those of a refined mesh come first
+
+    def faces(self, numbers: Sequence[int]) -> np.ndarray:
+        """Triangles of the surface that lie in these of the mesh. Raises InputError for one that does not exist."""
+        wrong = next((number for number in numbers if not 0 <= number < self._manifold.faces), None)
+        if wrong is not None:
+            raise InputError(f"there is no face {wrong}; the mesh has {self._manifold.faces}")
+        own = self._manifold.triangles
+        times = len(self._surface.triangles) // len(own)  # a refined triangle is followed by its parts
+        return np.flatnonzero(np.repeat(np.isin(own, numbers), times)).astype(np.int32)
 
     def line(self) -> str:
         """One sentence on what of the mesh is no surface; empty where nothing is."""

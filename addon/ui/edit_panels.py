@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Edits panel, inside Analysis: cancel what the analysis shows, and the list of what was done."""
+"""The Edits panel, inside Analysis: change what the analysis shows, and the list of what was done."""
 
 import bpy
 
-from ..operators.edit_choice import why_not_cancel
-from ..operators.edits import EditOperator
+from ..operators.edit_choice import why_not_cancel, why_not_region
+from ..operators.edit_operator import EditOperator
 from ..scene.read.active_field import active_field
 from .panel_parts import FieldPanel, draw_progress, hint, text_lines
 
 #: What became of an edit, before the reason why it was not done, or not all of it.
 WORDS = {"refused": "Refused", "applied": "Applied in part"}
+WAITING = "It waits for the next Solve"
 
 
 class STORMFIELD_PT_edits(FieldPanel, bpy.types.Panel):
@@ -26,7 +27,11 @@ class STORMFIELD_PT_edits(FieldPanel, bpy.types.Panel):
             column.operator("stormfield.cancel_pair", icon="TRASH")
             column.operator("stormfield.cancel_weakest", icon="REMOVE")
             column.operator("stormfield.simplify", icon="MOD_DECIM")
-            hint(context, layout, why_not_cancel(obj))
+            column.operator("stormfield.move_point", icon="EMPTY_ARROWS")
+            column = layout.column(align=True)
+            column.operator("stormfield.smooth_region", icon="MOD_SMOOTH")
+            column.operator("stormfield.transform_field", icon="ORIENTATION_GIMBAL")
+            hint(context, layout, why_not_region(obj) or why_not_cancel(obj))
         field = obj.stormfield
         if not field.edits:
             return
@@ -39,19 +44,60 @@ class STORMFIELD_PT_edits(FieldPanel, bpy.types.Panel):
         column.operator("stormfield.move_edit", text="", icon="TRIA_DOWN").direction = "DOWN"
         edit = field.chosen_edit()
         if edit is not None:
-            _draw_edit(context, self.settings_layout(), edit)
+            _draw_edit(context, self.settings_layout(), obj, edit)
 
 
-def _draw_edit(context, layout, edit) -> None:
+def _draw_edit(context, layout, obj, edit) -> None:
     """What can be set of an edit, and why it was refused."""
     if edit.enabled and edit.reason:
         text_lines(context, layout, f"{WORDS.get(edit.status, 'Refused')}: {edit.reason}", icon="ERROR")
+    elif edit.enabled and not edit.status:
+        text_lines(context, layout, WAITING, icon="TIME")
     column = layout.column()
     if edit.type == "simplify":
         column.prop(edit, "keep")
+    if edit.type == "move":
+        column.prop(edit, "to")
+    if edit.type == "transform":
+        _draw_transform(layout.column(), edit)
+    if edit.type in {"smooth", "transform"}:
+        _draw_region(layout.column(), obj, edit)
+    column = layout.column(align=True)
     column.prop(edit, "lam", slider=True)
-    column.prop(edit, "reach", slider=True)
-    column.prop(edit, "field")
+    if edit.type in {"smooth", "transform"}:
+        column.prop(edit, "lam_end", slider=True)
+    if edit.type != "transform":
+        column.prop(edit, "reach", slider=True)
+    layout.prop(edit, "field")
+
+
+def _draw_transform(column, edit) -> None:
+    column.use_property_decorate = True  # they may have keys
+    column.prop(edit, "angle")
+    column.prop(edit, "scale")
+    column.prop(edit, "stretch")
+    column.use_property_decorate = False
+    if edit.stretch != 1.0:
+        column.prop(edit, "axis")
+        if edit.axis == "CURVE":
+            column.prop(edit, "axis_curve")
+    column.prop(edit, "frozen")
+
+
+def _draw_region(column, obj, edit) -> None:
+    column.prop(edit, "region")
+    match edit.region:
+        case "DISC":
+            column.prop(edit, "center")
+            column.prop(edit, "radius")
+        case "LOOP":
+            column.prop(edit, "loop")
+        case "FACES":
+            column.prop_search(edit, "faces", obj.data, "attributes")
+        case "GROUP":
+            column.prop_search(edit, "faces", obj, "vertex_groups", text="Group")
+    if edit.type == "transform" and edit.region != "ALL":
+        column.prop(edit, "falloff")
 
 
 CLASSES = (STORMFIELD_PT_edits,)

@@ -8,7 +8,13 @@ from . import icons
 
 TYPE_ICONS = {key: icon for key, _label, _text, icon, _number in TYPES}
 
-EDIT_ICONS = {"cancel": "TRASH", "simplify": "MOD_DECIM"}
+EDIT_ICONS = {
+    "cancel": "TRASH",
+    "simplify": "MOD_DECIM",
+    "move": "EMPTY_ARROWS",
+    "smooth": "MOD_SMOOTH",
+    "transform": "ORIENTATION_GIMBAL",
+}
 
 
 class STORMFIELD_UL_elements(bpy.types.UIList):

@@ -25,6 +25,7 @@ void bind_field(py::module_& m);
 void bind_tracing(py::module_& m);
 void bind_topology(py::module_& m);
 void bind_edit(py::module_& m);
+void bind_transform(py::module_& m);
 void bind_tracking(py::module_& m);
 void bind_morse(py::module_& m);
 void bind_morse_maps(py::module_& m);

@@ -12,6 +12,7 @@ PYBIND11_MODULE(stormfield_native, m) {
   bind_tracing(m);
   bind_topology(m);
   bind_edit(m);
+  bind_transform(m);
   bind_tracking(m);
   bind_morse(m);
   bind_morse_maps(m);

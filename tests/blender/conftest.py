@@ -138,3 +138,23 @@ def own_temporary_folder(empty_file, tmp_path, monkeypatch):
 
     for module in (folders, cache_folders):
         monkeypatch.setattr(module, "temporary_root", lambda: tmp_path / "temporary" / folders.NAME)
+
+
+@pytest.fixture
+def pair(ball):
+    """Solved and analyzed at λ 0."""
+    from edited_pair import AS_SOLVED, ELEMENTS, kinds
+    from stormfield.scene.write.elements import add_element
+
+    if not bpy.app.build_options.usd:
+        pytest.skip("this Blender has no USD")
+    for number, (kind, place) in enumerate(ELEMENTS):
+        empty = bpy.data.objects.new(f"{kind} {number}", None)
+        empty.location = place
+        bpy.context.scene.collection.objects.link(empty)
+        add_element(ball, empty, type="singular", kind=kind, radius=0.3)
+    ball.stormfield.solve.samples = 2
+    assert bpy.ops.stormfield.solve() == {"FINISHED"}
+    assert bpy.ops.stormfield.analyze() == {"FINISHED"}
+    assert kinds(ball) == AS_SOLVED
+    return ball

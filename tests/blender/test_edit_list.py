@@ -1,75 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Edits in Blender: pairs that are cancelled, refused, undone, turned off; the list; the poll messages."""
 
-from collections import Counter
 from pathlib import Path
 
 import bpy
-import numpy as np
 import pytest
+from edited_pair import AS_SOLVED, CANCELLED, EAST, NORTH, SADDLE, SOUTH, kinds, select, vectors
 
 pytest.importorskip("igraph", reason="igraph is not installed")
 pytestmark = pytest.mark.usefixtures("native")
-
-#: Two sources and a sink: their indices ask for one saddle between the sources.
-ELEMENTS = (("source", (0, 0, 1)), ("sink", (0, 0, -1)), ("source", (1, 0, 0)))
-AS_SOLVED = {"source": 2, "saddle": 1, "sink": 1}
-CANCELLED = {"source": 1, "sink": 1}
-
-
-@pytest.fixture
-def pair(ball):
-    """Solved and analyzed at λ 0."""
-    from stormfield.scene.write.elements import add_element
-
-    if not bpy.app.build_options.usd:
-        pytest.skip("this Blender has no USD")
-    for number, (kind, place) in enumerate(ELEMENTS):
-        empty = bpy.data.objects.new(f"{kind} {number}", None)
-        empty.location = place
-        bpy.context.scene.collection.objects.link(empty)
-        add_element(ball, empty, type="singular", kind=kind, radius=0.3)
-    ball.stormfield.solve.samples = 2
-    assert bpy.ops.stormfield.solve() == {"FINISHED"}
-    assert bpy.ops.stormfield.analyze() == {"FINISHED"}
-    assert kinds(ball) == AS_SOLVED
-    return ball
-
-
-def kinds(obj):
-    return dict(Counter(item.kind for item in obj.stormfield.analysis.ecg.items))
-
-
-def select(obj, *wanted):
-    """Select entities in the graph by kind and nearest place; the first is that of the list."""
-    from stormfield.scene.write import selection
-
-    ecg = obj.stormfield.analysis.ecg
-    chosen = [
-        min(
-            (i for i, item in enumerate(ecg.items) if item.kind == kind),
-            key=lambda i, place=place: np.linalg.norm(np.array(ecg.items[i].position) - place),
-        )
-        for kind, place in wanted
-    ]
-    selection.select(obj, "ecg", chosen[0])
-    for node in obj.stormfield.analysis.ecg_tree.nodes:
-        node.select = node.entity in chosen
-
-
-def vectors(obj):
-    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    values = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.attributes["sf_advection"].data.foreach_get("vector", values)
-    return values.tobytes()
-
-
-SADDLE, NORTH, SOUTH, EAST = (
-    ("saddle", (0.6, 0, 0.8)),
-    ("source", (0, 0, 1)),
-    ("sink", (0, 0, -1)),
-    ("source", (1, 0, 0)),
-)
 
 
 @pytest.mark.parametrize("chosen", [(SADDLE,), (SADDLE, EAST), (SADDLE, NORTH)])
@@ -284,9 +223,9 @@ def test_the_order_of_the_list_is_that_of_the_design(pair):
 
     for keep in (5, 3):
         add_edit(pair, Edit("simplify", keep=keep, lam=(0.5, 0.5)), f"Keep {keep}")
-    assert [edit.keep for edit in read_edits(pair)] == [5, 3]
+    assert [edit.keep for edit in read_edits(bpy.context, pair)] == [5, 3]
     bpy.ops.stormfield.move_edit(direction="UP")
-    assert [edit.keep for edit in read_edits(pair)] == [3, 5]
+    assert [edit.keep for edit in read_edits(bpy.context, pair)] == [3, 5]
     assert bpy.ops.stormfield.move_edit(direction="UP") == {"CANCELLED"}
 
 

@@ -9,7 +9,7 @@ import pytest
 from command_line import refused, run
 from stormfield import native
 from stormfield.cache.field_cache import open_cache
-from stormfield.edits import edit_steps, notes_of
+from stormfield.edits import edit_steps, notes_of, to_json
 from stormfield.model.design import Design
 from stormfield.model.edits import edits_from_json
 from stormfield.model.errors import InputError
@@ -71,7 +71,7 @@ def over_lambda(surface, samples=5):
         ({"type": "simplify"}, "simplify needs epsilon or keep"),
         ({"type": "simplify", "epsilon": float("nan")}, "epsilon has a number that is not finite"),
         ({"type": "move", "entity": {"kind": "sink", "at": [0, float("nan"), 0]}, "to": [0, 0, 0]}, "not finite"),
-        ({"type": "twist"}, 'is "twist": use one of cancel, move, smooth, simplify'),
+        ({"type": "twist"}, 'is "twist": use one of cancel, move, smooth, simplify, transform'),
         ({"kind": "sink"}, "type is missing"),
     ],
 )
@@ -246,3 +246,237 @@ def test_a_cache_says_what_became_of_its_edits(tmp_path):
     for broken in ("", "{", '[{"status": "applied"}]', "[1]", "3"):
         (tmp_path / "cache" / "edits.json").write_text(broken)
         assert read_outcomes(tmp_path / "cache") == ()
+
+
+# Turning over λ -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("edit", "fault"),
+    [
+        ({}, "transform needs angle, scale or stretch"),
+        ({"angle": 90, "reach": 0.1}, "reach does not belong to transform"),
+        ({"angle": 90, "lam": [0.8, 0.2]}, "from 0.8 back to 0.2"),
+        ({"angle": float("nan")}, "angle has a number that is not finite"),
+        ({"scale": 0}, "is 0, and takes: A number above 0"),
+        ({"scale": [[0, 1], [1, -1]]}, "scale is a factor: give numbers above 0"),
+        ({"angle": [[0.5, 1], [0.5, 2]]}, "angle at λ 0.5 does not come after the one before"),
+        ({"stretch": 2, "axis": [0, 0, 0]}, "the axis has no length"),
+        ({"stretch": 2, "axis": "advection"}, 'is "advection", and takes'),
+        ({"angle": 90, "axis": [1, 0, 0]}, "an axis belongs to stretch"),
+        ({"angle": 90, "falloff": 0.1}, "falloff belongs to a region"),
+    ],
+)
+def test_transforms_that_cannot_be_are_refused(edit, fault):
+    with pytest.raises(InputError) as caught:
+        edits({"type": "transform", **edit})
+    assert fault in str(caught.value)
+
+
+def varying(surface, samples=11):
+    """A field that moves over λ."""
+    x, y = surface.vertices[:, 0], surface.vertices[:, 1]
+    values = [
+        native.VectorField.from_space(surface, np.column_stack([y + lam, x - 0.2 * lam, 0 * x])).values
+        for lam in np.linspace(0.0, 1.0, samples)
+    ]
+    return native.ParameterizedField(surface, np.linspace(0.0, 1.0, samples), np.array(values))
+
+
+def after(field, *given, orientation=None):
+    edited = finish(edit_steps(field, edits(*given), orientation=orientation))
+    assert [report.status for report in edited.reports] == ["applied"] * len(given), edited.reports
+    return np.asarray(edited.field.values)
+
+
+def test_every_vector_turns_by_the_exact_angle(surface):
+    field = varying(surface)
+    before, lambdas = np.asarray(field.values), np.asarray(field.lambdas)
+    turned = after(field, {"type": "transform", "angle": 70, "scale": 3, "lam": [0.25, 0.75]})
+    part = np.clip((lambdas - 0.25) / 0.5, 0.0, 1.0)[:, None]
+    np.testing.assert_allclose(turned, before * 3**part * np.exp(1j * np.radians(70) * part), rtol=0, atol=1e-12)
+    assert turned[:3].tobytes() == before[:3].tobytes()  # before it begins
+
+
+def test_keys_say_where_it_turns(surface):
+    field = varying(surface)
+    turned = after(field, {"type": "transform", "angle": [[0, 0], [0.5, 180], [1, 0]]})
+    before = np.asarray(field.values)
+    np.testing.assert_allclose(turned[5], -before[5], atol=1e-12)
+    np.testing.assert_allclose(turned[10], before[10], atol=1e-12)
+    at_once = after(field, {"type": "transform", "angle": 180, "lam": 0.5})
+    assert at_once[:5].tobytes() == before[:5].tobytes()
+    np.testing.assert_allclose(at_once[5:], -before[5:], atol=1e-12)
+
+
+def test_one_that_is_frozen_stays_in_its_first_field(surface):
+    field = varying(surface)
+    turned = after(field, {"type": "transform", "angle": 90, "frozen": True, "lam": [0.3, 0.6]})
+    start = np.asarray(field.values)[3]
+    for j in (6, 8, 10):
+        np.testing.assert_allclose(turned[j], 1j * start, atol=1e-12)
+
+
+def test_a_stretch_has_an_axis(surface):
+    field = varying(surface)
+    flat = surface.to_space(after(field, {"type": "transform", "stretch": 4, "axis": [2, 0, 0]}))
+    np.testing.assert_allclose(flat[10], surface.to_space(np.asarray(field.values)[10]) * (4, 1, 1), atol=1e-12)
+    up = np.tile((0.0, 1.0, 0.0), (surface.vertex_count, 1))
+    up = np.tile(native.VectorField.from_space(surface, up).values, (11, 1))
+    orientation = native.ParameterizedField(surface, field.lambdas, up)
+    along = surface.to_space(after(field, {"type": "transform", "stretch": 4}, orientation=orientation))
+    np.testing.assert_allclose(along[10], surface.to_space(np.asarray(field.values)[10]) * (1, 4, 1), atol=1e-12)
+    own = after(field, {"type": "transform", "stretch": 4})  # along itself is longer
+    np.testing.assert_allclose(own, after(field, {"type": "transform", "scale": 4}), atol=1e-12)
+
+
+def test_a_region_fades_out(surface):
+    field = varying(surface, 2)
+    region = {"center": [0, 0, 0], "radius": 0.4}
+    turned = after(field, {"type": "transform", "angle": 90, "region": region, "falloff": 0.2})
+    changed = np.asarray(field.values)[1] != turned[1]
+    away = np.linalg.norm(surface.vertices, axis=1)
+    assert changed[away < 0.35].all() and not changed[away > 0.6].any()
+    np.testing.assert_allclose(turned[1][away < 0.35], 1j * np.asarray(field.values)[1][away < 0.35], atol=1e-12)
+
+
+# What is done again ---------------------------------------------------------------------------------------------------
+
+
+def test_only_what_was_changed_is_done_again(surface, monkeypatch):
+    from stormfield import edits as module
+    from stormfield.edits.memory import EditMemory
+
+    field, memory, done = over_lambda(surface, 11), EditMemory(), []
+    plain = module.edit_sample
+    monkeypatch.setattr(module, "edit_sample", lambda sample, edit: (done.append(edit), plain(sample, edit))[1])
+
+    def apply(*given):
+        done.clear()
+        edited = finish(edit_steps(field, edits(*given), memory=memory))
+        count = len(done)
+        fresh = finish(edit_steps(field, edits(*given)))
+        assert edited.field.values.tobytes() == fresh.field.values.tobytes()
+        assert to_json(edited.reports) == to_json(fresh.reports)
+        return count
+
+    disc = {"type": "smooth", "region": {"center": [0, 0, 0], "radius": 0.5}}
+    early, late = {**disc, "lam": 0.1, "reach": 0.15}, {**disc, "lam": 0.9, "reach": 0.15}
+    assert apply(CANCEL, early, late) == 3
+    assert apply(CANCEL, early, late) == 0
+    assert apply(CANCEL, early, {**late, "reach": 0.2}) == 1
+    assert apply(CANCEL, {**early, "enabled": False}, late) == 0  # far away in λ from what was turned off
+    assert apply({**CANCEL, "lam": 0.1}, early, late) == 2  # what follows in the same λ
+
+
+def test_memory_gives_back_what_was_not_used(surface):
+    from stormfield.edits.memory import EditMemory, Made
+    from stormfield.edits.report import EditReport
+
+    memory = EditMemory(limit=100)
+    for name in "abc":
+        memory.keep(name, Made(np.zeros(5), EditReport("smooth", "applied", "")))
+    assert memory.find("a") is None and memory.find("b") is not None and memory.find("c") is not None
+
+
+# Both fields of a cache -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def two_fields(tmp_path):
+    """A cache whose orientation is another field than its advection."""
+    from stormfield.bake.given import GivenField, given_steps
+    from stormfield.model.mesh_data import MeshData
+
+    vertices, triangles = plane()
+    moves, turns = fold(vertices), np.tile((0.0, 1.0, 0.0), (len(vertices), 1))
+    given = GivenField((0.0, 1.0), [moves, moves], {"of": "a test"}, [turns, turns])
+    return finish(given_steps(MeshData(vertices, triangles), given, tmp_path, folder=tmp_path / "two"))
+
+
+def sample(folder, name):
+    return open_cache(folder).sample(0)[name]
+
+
+def test_the_command_keeps_both_fields_of_a_cache(tmp_path, two_fields, capsys):
+    out = tmp_path / "cache"
+    file, told = write_edits(tmp_path, CANCEL), tmp_path / "report.json"
+    status, _, err = run(capsys, "edit", two_fields, file, "--out", out, "--json", told)
+    assert status == 0 and "orientation: edit 1 (cancel) was refused: the field has no" in err
+    assert sample(out, "sf_orientation").tobytes() == sample(two_fields, "sf_orientation").tobytes()
+    assert sample(out, "sf_advection").tobytes() != sample(two_fields, "sf_advection").tobytes()
+    (report,) = json.loads(told.read_text())["edits"]
+    assert report["status"] == "applied"
+    assert {name: its["status"] for name, its in report["fields"].items()} == {
+        "orientation": "refused",
+        "advection": "applied",
+    }
+
+
+def test_the_command_edits_the_field_that_is_asked_for(tmp_path, two_fields, capsys):
+    turn = write_edits(tmp_path, {"type": "transform", "angle": 90, "lam": 0})
+    status, _, _ = run(capsys, "edit", two_fields, turn, "--out", tmp_path / "a", "--attribute", "sf_orientation")
+    assert status == 0
+    np.testing.assert_allclose(sample(tmp_path / "a", "sf_orientation")[:, 0], -1.0, atol=1e-6)
+    assert sample(tmp_path / "a", "sf_advection").tobytes() == sample(two_fields, "sf_advection").tobytes()
+    named = write_edits(tmp_path, {"type": "transform", "angle": 90, "lam": 0, "field": "advection"})
+    status, _, _ = run(capsys, "edit", two_fields, named, "--out", tmp_path / "b")
+    assert status == 0
+    assert sample(tmp_path / "b", "sf_orientation").tobytes() == sample(two_fields, "sf_orientation").tobytes()
+    before, turned = sample(two_fields, "sf_advection"), sample(tmp_path / "b", "sf_advection")
+    np.testing.assert_allclose(turned[:, 0], -before[:, 1], atol=1e-6)
+
+
+def test_other_edits_do_not_solve_again(tmp_path, monkeypatch):
+    from stormfield.bake import lambda_cache
+    from stormfield.bake.reuse import Reuse
+    from stormfield.model.mesh_data import MeshData
+
+    vertices, triangles = plane(12)
+    elements = [
+        {"name": "in", "type": "singular", "kind": "sink", "points": [[0.4, 0, 0]], "radius": 0.2},
+        {"name": "x", "type": "singular", "kind": "saddle", "points": [[-0.4, 0, 0]], "radius": 0.2},
+    ]
+    content = {"schema": "stormfield.design/1", "mesh": {"file": "m"}, "settings": {"samples": 3}, "elements": elements}
+    solved, plain = [], lambda_cache.start_solve
+    monkeypatch.setattr(lambda_cache, "start_solve", lambda *given: (solved.append(1), plain(*given))[1])
+    mesh, reuse = MeshData(vertices, triangles), Reuse()
+    smooth = {"type": "smooth", "region": {"faces": list(range(200))}, "lam": 0.5}
+    for count, given in ((1, []), (1, [smooth]), (1, [{**smooth, "lam": 1}]), (1, [])):
+        design = Design.from_json({**content, "edits": given})
+        folder = finish(lambda_cache.solve_steps(mesh, design, tmp_path / "a", reuse=reuse))
+        assert len(solved) == count
+        fresh = finish(lambda_cache.solve_steps(mesh, design, tmp_path / "b"))
+        solved.pop()
+        assert folder.name == fresh.name
+        for j in range(3):
+            for name, values in open_cache(folder).sample(j).items():
+                assert values.tobytes() == open_cache(fresh).sample(j)[name].tobytes()
+
+
+def test_faces_of_a_mesh_are_found_on_the_surface_that_was_solved(tmp_path):
+    """A finer surface: the same region, whatever the solver divides."""
+    from stormfield.bake.edited import edited_solution
+    from stormfield.model.mesh_data import MeshData
+    from stormfield.solve import solve
+
+    vertices, triangles = plane(12)
+    middle = vertices[triangles].mean(axis=1)
+    chosen = np.flatnonzero(np.linalg.norm(middle, axis=1) < 0.5).tolist()
+    content = {
+        "schema": "stormfield.design/1",
+        "mesh": {"file": "m"},
+        "settings": {"samples": 1, "edge": 0.15},
+        "elements": [{"name": "x", "type": "singular", "kind": "saddle", "points": [[-0.4, 0, 0]], "radius": 0.2}],
+        "edits": [{"type": "transform", "angle": 90, "lam": 0, "region": {"faces": chosen}}],
+    }
+    design = Design.from_json(content)
+    solution = solve(MeshData(vertices, triangles), design)
+    edited = finish(edited_solution(solution, design))
+    before, after_edit = (one.fields["advection"] for one in (solution, edited.solution))
+    assert before.mesh.vertex_count > len(vertices)
+    changed = (np.asarray(before.values) != np.asarray(after_edit.values))[0]
+    away = np.linalg.norm(np.asarray(before.mesh.vertices), axis=1)
+    assert changed[away < 0.35].all() and not changed[away > 0.7].any()
+    gone = Design.from_json({**content, "edits": [{**content["edits"][0], "region": {"faces": [99999]}}]})
+    assert "there is no face 99999" in finish(edited_solution(solution, gone)).outcomes[0].reason

@@ -47,7 +47,7 @@ def read_design(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[Mesh
             raise InputError(f"Element '{element.name}' has no source; choose a curve or an empty, or turn it off")
         if element.source == obj:
             raise InputError(f"Element '{element.name}' has the field's own mesh as source; choose another object")
-    edits = read_edits(obj)
+    edits = read_edits(context, obj)
     take_over_edits([element.source for element in enabled])
     elements: list[Element] = []
     with Places(context) as placed:

@@ -9,21 +9,16 @@ of the solve counts by itself, also one that is added later; session/freshness.p
 a change.
 """
 
-import hashlib
-from collections.abc import Iterable, Iterator
-from functools import cache
-
 import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ... import compat
 from ...model.words import Json
+from .edits import facts
+from .facts import all_keys, digest, keys_of, names_of, shape_of, values_of
 
 #: Form of what is read; another number makes earlier readings unknown.
 FORM = 1
-#: Settings that change no field.
-IDLE = frozenset({"rna_type", "name", "enabled", "solved", "keep_solver", "status", "reason"})
 #: What was read of no edits, and of a field that an earlier version has solved.
 NO_EDITS: list[str] = []
 MESH_CHANGED = "the mesh was changed"
@@ -39,7 +34,7 @@ def read(obj: bpy.types.Object, mesh: str | None = None) -> dict[str, Json]:
         "settings": settings_digest(obj),
         "size": max(obj.dimensions[:]),
         "elements": [element_entry(obj, element) for element in obj.stormfield.elements if element.enabled],
-        "edits": [_digest(values_of(edit)) for edit in obj.stormfield.edits if edit.enabled],
+        "edits": [digest(*facts(obj, number)) for number, edit in enumerate(obj.stormfield.edits) if edit.enabled],
     }
 
 
@@ -82,17 +77,17 @@ def mesh_digest(mesh: bpy.types.Mesh) -> str:
     else:  # many times faster
         mesh.attributes["position"].data.foreach_get("vector", vertices)
         mesh.attributes[".corner_vert"].data.foreach_get("value", corners)
-    return _digest([len(mesh.polygons)], vertices, corners)
+    return digest([len(mesh.polygons)], vertices, corners)
 
 
 def names_digest(obj: bpy.types.Object) -> str:
     """Of the names of all settings."""
     elements = obj.stormfield.bl_rna.properties["elements"].fixed_type
-    return _digest(FORM, _names(obj.stormfield.solve), tuple(sorted(elements.properties.keys())))
+    return digest(FORM, names_of(obj.stormfield.solve), tuple(sorted(elements.properties.keys())))
 
 
 def settings_digest(obj: bpy.types.Object) -> str:
-    return _digest(values_of(obj.stormfield.solve))
+    return digest(values_of(obj.stormfield.solve))
 
 
 def _how(old, element) -> str:
@@ -112,33 +107,14 @@ def _same(old, new, slack: float) -> bool:
 def element_entry(obj: bpy.types.Object, element) -> dict[str, Json]:
     """settings, shape: digests; place: numbers of the matrix from the source to the mesh, where nothing moves it."""
     source = element.source
-    entry: dict[str, Json] = {"name": element.name, "settings": _digest(values_of(element))}
+    entry: dict[str, Json] = {"name": element.name, "settings": digest(values_of(element))}
     if source is None:
         return {**entry, "shape": "", "place": []}
-    keys = list(_keys_of(source))
+    keys = list(all_keys(source))
     if keys:  # where it is follows from its keys, and no frame is another's change
-        return {**entry, "shape": _digest(*_shape(source), *keys, *_keys(obj)), "place": []}
+        return {**entry, "shape": digest(*shape_of(source), *keys, *keys_of(obj)), "place": []}
     place = np.array(_world(obj).inverted_safe() @ _world(source))[:3]
-    return {**entry, "shape": _digest(*_shape(source)), "place": place.ravel().tolist()}
-
-
-def values_of(group: bpy.types.PropertyGroup) -> tuple[object, ...]:
-    """All numbers, words and switches of a group of settings, in the order of their names in the program."""
-    return tuple(
-        [tuple(v) if isinstance(v := getattr(group, n), bpy.types.bpy_prop_array) else v for n in _names(group)]
-    )
-
-
-def _names(group: bpy.types.PropertyGroup) -> tuple[str, ...]:
-    return _names_of(type(group))
-
-
-@cache
-def _names_of(kind: type[bpy.types.PropertyGroup]) -> tuple[str, ...]:
-    properties = kind.bl_rna.properties
-    return tuple(
-        p.identifier for p in properties if p.identifier not in IDLE and p.type not in {"POINTER", "COLLECTION"}
-    )
+    return {**entry, "shape": digest(*shape_of(source)), "place": place.ravel().tolist()}
 
 
 def _world(obj: bpy.types.Object) -> Matrix:
@@ -148,71 +124,3 @@ def _world(obj: bpy.types.Object) -> Matrix:
     if obj.parent is None or obj.parent_type != "OBJECT":
         return obj.matrix_basis
     return _world(obj.parent) @ obj.matrix_parent_inverse @ obj.matrix_basis
-
-
-def _shape(source: bpy.types.Object) -> Iterator[object]:
-    """The control points of a source in its own space."""
-    yield source.type, [(modifier.name, modifier.show_viewport) for modifier in source.modifiers]
-    data = source.data
-    if source.type == "CURVE":
-        for spline in data.splines:
-            yield spline.type, spline.use_cyclic_u, spline.order_u, spline.resolution_u
-            if spline.type == "BEZIER":
-                yield from (_points(spline.bezier_points, name) for name in ("co", "handle_left", "handle_right"))
-            else:
-                yield _points(spline.points, "co", 4)
-    elif source.type == "CURVES":
-        yield _points(data.attributes["position"].data, "vector") if len(data.points) else ()
-        yield [curve.points_length for curve in data.curves]
-    elif source.type == "MESH":
-        yield _points(data.vertices, "co")
-        edges = np.empty(len(data.edges) * 2, np.int32)
-        data.edges.foreach_get("vertices", edges)
-        yield edges
-    elif source.type == "GREASEPENCIL":
-        for layer in data.layers:
-            frame = layer.current_frame()
-            yield layer.hide, [tuple(row) for row in layer.matrix_local]
-            for stroke in frame.drawing.strokes if frame else ():
-                yield [tuple(point.position) for point in stroke.points]
-
-
-def _points(collection, name: str, width: int = 3) -> np.ndarray:
-    values = np.empty(len(collection) * width, np.float32)
-    collection.foreach_get(name, values)
-    return values
-
-
-def _keys_of(source: bpy.types.Object) -> Iterator[object]:
-    """Keys and drivers that move the source, its parents or its shape."""
-    holder: bpy.types.Object | None = source
-    while holder is not None:
-        yield from _keys(holder)
-        holder = holder.parent
-    if source.data is not None:
-        yield from _keys(source.data)
-
-
-def _keys(owner: bpy.types.ID) -> Iterator[object]:
-    if getattr(owner, "animation_data", None) is None:
-        return
-    for curve in compat.fcurves(owner):
-        keys = np.empty(len(curve.keyframe_points) * 2, np.float32)
-        curve.keyframe_points.foreach_get("co", keys)
-        yield curve.data_path, curve.array_index
-        yield keys
-    for driver in owner.animation_data.drivers:
-        yield driver.data_path, driver.driver.expression
-
-
-def _digest(*parts: object) -> str:
-    digest = hashlib.blake2b(digest_size=12)
-    for part in _flat(parts):
-        digest.update(part)
-    return digest.hexdigest()
-
-
-def _flat(parts: Iterable[object]) -> Iterator[bytes]:
-    for part in parts:
-        yield part.tobytes() if isinstance(part, np.ndarray) else repr(part).encode()
-        yield b"|"

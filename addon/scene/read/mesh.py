@@ -17,7 +17,7 @@ from ...model.polygons import Polygons
 
 def read_mesh(obj: bpy.types.Object) -> MeshData:
     """Vertices in object space, loop triangles and all UV layers of `obj`."""
-    with _own_mesh(obj) as mesh:
+    with own_mesh(obj) as mesh:
         vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
         mesh.vertices.foreach_get("co", vertices)
         triangles, loops = loop_triangles(mesh)
@@ -30,7 +30,7 @@ def read_mesh(obj: bpy.types.Object) -> MeshData:
 
 def read_polygons(obj: bpy.types.Object) -> Polygons:
     """The n-gons of `obj`."""
-    with _own_mesh(obj) as mesh:
+    with own_mesh(obj) as mesh:
         counts = np.empty(len(mesh.polygons), dtype=np.int32)
         mesh.polygons.foreach_get("loop_total", counts)
         corners = np.empty(len(mesh.loops), dtype=np.int32)
@@ -39,7 +39,7 @@ def read_polygons(obj: bpy.types.Object) -> Polygons:
 
 
 @contextmanager
-def _own_mesh(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
+def own_mesh(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
     """The mesh of `obj` as Object Mode has it. In Edit Mode a mesh has no UVs, so that a copy is read."""
     if obj.mode != "EDIT":
         yield obj.data

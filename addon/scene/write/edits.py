@@ -9,18 +9,24 @@ from ...bake.edited import read_outcomes
 from ...model.edits import Edit
 
 
-def add_edit(obj: bpy.types.Object, edit: Edit, name: str) -> None:
-    """Append an edit that acts at one λ, and make it the active one."""
+def add_edit(obj: bpy.types.Object, edit: Edit, name: str, **drawn: object) -> None:
+    """Append an edit and make it the active one. drawn: members of the list's entry that the edit does not tell, such
+    as the curve or the attribute that its region comes from."""
     field = obj.stormfield
     item = field.edits.add()
     item.name, item.type, item.field, item.enabled = name, edit.type, edit.field, edit.enabled
-    item.lam, item.reach = edit.lam[0], edit.reach
-    if edit.type == "simplify":
+    (item.lam, item.lam_end), item.reach, item.to = edit.lam, edit.reach, edit.to
+    if edit.keep:
         item.keep = edit.keep
-    else:
-        first, second = edit.entities
-        item.first_kind, item.first_at = first.kind, first.at
-        item.second_kind, item.second_at = second.kind, second.at
+    for which, entity in zip(("first", "second"), edit.entities, strict=False):
+        setattr(item, f"{which}_kind", entity.kind)
+        setattr(item, f"{which}_at", entity.at)
+    if edit.region.center is not None:
+        item.region, item.center, item.radius = "DISC", edit.region.center, edit.region.radius
+    elif not edit.has_region:
+        item.region = "ALL" if edit.type == "transform" else "DISC"
+    for member, value in drawn.items():
+        setattr(item, member, value)
     field.active_edit = len(field.edits) - 1
 
 
