@@ -23,14 +23,14 @@ ROOT = Path(__file__).resolve().parents[1]
 ADDON = ROOT / "addon"
 CORE = "stormfield_native"
 #: Bundled as they are on PyPI, with what they need: igraph lays graphs out, click is the command line's, fastjsonschema
-#: checks designs, meshio reads surfaces (and brings rich).
+#: checks designs, meshio reads surfaces (rich, for its messages, needs nothing of its own here), cftime knows the
+#: calendars of wind and currents; NETCDF, with what it imports, reads them: netCDF4 would take more than all the rest.
 LIBRARIES = (
-    *("igraph==1.0.0", "texttable==1.7.0", "click==8.5.1", "fastjsonschema==2.22.3"),
-    *("meshio==5.3.5", "rich==15.0.0", "markdown-it-py==4.3.0", "mdurl==0.1.2", "pygments==2.21.0"),
+    *("igraph==1.0.0", "texttable==1.7.0", "click==8.5.1", "fastjsonschema==2.22.3", "meshio==5.3.5", "rich==15.0.0"),
+    *("cftime==1.6.6.1", "fsspec==2026.9.0", "packaging==26.4"),
 )
-#: Bundled where PyPI has one wheel that serves every Blender of the platform and is small: netCDF4 reads wind and
-#: currents, cftime the dates of their times. Elsewhere the import of NetCDF says what is missing.
-GRIDS = {"linux-x64": ("netCDF4==1.7.5.1.post1", "cftime==1.6.6.1")}
+#: The extra of pyproject.toml that names the readers of NetCDF, so that the tests run with what is bundled.
+NETCDF = "blender"
 #: Blender's platform → tags of wheels that serve it, as pip names them.
 PLATFORMS = {
     "linux-x64": "manylinux_2_28_x86_64",
@@ -96,16 +96,17 @@ def add_assets(source: Path) -> None:
         shutil.rmtree(leftover)
 
 
-def libraries(platform: str) -> tuple[str, ...]:
-    """What is bundled for a platform."""
-    return (*LIBRARIES, *GRIDS.get(platform, ()))
+def libraries() -> tuple[str, ...]:
+    """What is bundled, each with its version."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return (*LIBRARIES, *project["optional-dependencies"][NETCDF])
 
 
 def library_wheels(platform: str, folder: Path) -> list[Path]:
     """The wheels of the libraries for a platform, unmodified, in `folder`; a pure one serves all platforms."""
     with tempfile.TemporaryDirectory() as temporary:
         pip = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:", "-d", temporary]
-        run_quietly([*pip, "--python-version", "3.11", "--platform", PLATFORMS[platform], *libraries(platform)])
+        run_quietly([*pip, "--python-version", "3.11", "--platform", PLATFORMS[platform], *libraries()])
         return [Path(shutil.copy(wheel, folder)) for wheel in sorted(Path(temporary).glob("*.whl"))]
 
 

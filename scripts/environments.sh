@@ -73,15 +73,20 @@ for entry in "${found[@]}"; do
     wanted=$(sha256sum pyproject.toml scripts/environments.sh | sha256sum)
     if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ]; then
       [ -x "$folder/bin/python" ] || "$command" -m venv "$folder"
-      "$folder/bin/python" - <<'PYTHON' >"$folder/requirements.txt"
-import tomllib
+      "$folder/bin/python" - "$folder" <<'PYTHON'
+import pathlib, sys, tomllib
 project = tomllib.load(open("pyproject.toml", "rb"))
-print("\n".join(project["build-system"]["requires"] + project["project"]["dependencies"]
-                + project["project"]["optional-dependencies"]["test"]))
+extras = project["project"]["optional-dependencies"]
+folder = pathlib.Path(sys.argv[1])
+needed = project["build-system"]["requires"] + project["project"]["dependencies"] + extras["test"]
+(folder / "requirements.txt").write_text("\n".join([*needed, "fsspec", "packaging"]))
+(folder / "requirements-blender.txt").write_text("\n".join(extras["blender"]))
 PYTHON
       scripts/step.sh "environment$folder" \
         "installing Blender $blender and the Python packages into $folder: 900 MB, a few minutes the first time" \
         "$folder/bin/python" -m pip install "bpy==$blender.*" ninja -r "$folder/requirements.txt" >&2
+      # Without a look at what they ask for: pyfive wants a newer NumPy than that of Blender 4.5, and works with it.
+      "$folder/bin/python" -m pip install --quiet --no-deps -r "$folder/requirements-blender.txt" >&2
       echo "$wanted" >"$stamp"
     fi
   fi

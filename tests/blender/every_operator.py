@@ -47,7 +47,7 @@ class Hide(MetaPathFinder):
 def hide_packages() -> Hide:
     import build_extension
 
-    libraries = {library.partition("==")[0] for library in build_extension.libraries("linux-x64")}
+    libraries = {library.partition("==")[0] for library in build_extension.libraries()}
     hide = Hide(BLENDER_HAS | libraries | {"stormfield"})
     for name in [name for name in sys.modules if name.partition(".")[0] in hide.hidden]:
         del sys.modules[name]

@@ -124,7 +124,7 @@ def test_what_cannot_be_read_is_refused_and_leaves_nothing(native, tmp_path, nam
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "package"), [("a.grib", b"GRIB", "cfgrib"), ("a.nc", b"CDF\x01", "netCDF4")]
+    ("name", "content", "package"), [("a.grib", b"GRIB", "cfgrib"), ("a.nc", b"\x89HDF\r\n\x1a\n", "netCDF4")]
 )
 def test_a_package_that_this_blender_lacks_is_named(native, tmp_path, monkeypatch, name, content, package):
     (tmp_path / name).write_bytes(content)

@@ -10,6 +10,7 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("bpy")
@@ -46,6 +47,10 @@ def test_the_machine_has_nothing_of_the_build(machine):
     assert not list(machine.blender.glob("stormfield*")) and not (machine.blender / "jsonschema").exists()
 
 
+def test_the_zip_is_small():
+    assert Path(ZIP).stat().st_size <= 15_000_000
+
+
 def test_one_zip_is_installed_used_and_leaves_nothing(machine):
     passes(machine.walk("install", f"{GIVEN}/stormfield.zip"))
     (field,) = machine.home.rglob("lambda-*/manifest.json")
@@ -55,7 +60,40 @@ def test_one_zip_is_installed_used_and_leaves_nothing(machine):
     assert shown["mesh"]["vertices"] == 162 and len(shown["lam"]) == 3
     passes(machine.walk("command", "bake", "--targets", "exr", "--frames", "1-1", "--resume"))
     assert machine.walk("command", "bake", "--targets", "nonsense").returncode == 2
+    for data in written_data(machine.given):
+        passes(machine.walk("data", f"{GIVEN}/{data.name}"))
     passes(machine.walk("uninstall"))
+
+
+def written_data(folder):
+    """Wind in the formats of NetCDF, and a surface that meshio reads."""
+    import meshio
+    import netCDF4
+
+    latitude, longitude = np.arange(-90.0, 91.0, 10.0), np.arange(0.0, 360.0, 10.0)
+    for format in ("NETCDF4", "NETCDF3_CLASSIC", "NETCDF3_64BIT_DATA"):
+        path = folder / f"{format.lower()}.nc"
+        with netCDF4.Dataset(path, "w", format=format) as file:
+            file.createDimension("time", None)
+            axes = (("lat", latitude, "degrees_north"), ("lon", longitude, "degrees_east"))
+            for name, values, unit in axes:
+                file.createDimension(name, len(values))
+                file.createVariable(name, "f8", (name,))[:] = values
+                file[name].units = unit
+            time = file.createVariable("time", "f8", ("time",))
+            time.setncatts({"units": "hours since 2000-02-27", "calendar": "noleap"})
+            time[:] = [0.0, 24.0]
+            for name, share in (("u10", 1.0), ("v10", 0.0)):
+                wind = file.createVariable(name, "i2", ("time", "lat", "lon"), zlib=format == "NETCDF4", shuffle=True)
+                wind.setncatts({"units": "m s-1", "scale_factor": 0.01})
+                wind[:2] = share * 20.0 * np.cos(np.radians(latitude))[None, :, None] * np.ones((2, 1, len(longitude)))
+        yield path
+    path = folder / "square.vtu"
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    meshio.write_points_cells(
+        path, corners, {"triangle": [[0, 1, 2], [0, 2, 3]]}, point_data={"wind": np.ones((4, 3)) * [1.0, 0.5, 0.0]}
+    )
+    yield path
 
 
 def test_without_a_library_of_the_system_it_does_not_pass(machine, tmp_path):

@@ -3,6 +3,7 @@
 
 walk.py install ZIP     install and enable, draw, solve, analyze, bake to every target, read the files back
 walk.py command WORDS   blender -b scene.blend --command stormfield WORDS, with the extension that is installed
+walk.py data FILE       import a file of another program
 walk.py uninstall       uninstall; nothing of the extension may be left
 
 Everything it makes is below its working folder, which is also the home of the user.
@@ -32,7 +33,7 @@ def main() -> int:
         _registered.pop(handle) if handle in _registered else unregister(handle)
     )
     step, *words = sys.argv[1:]
-    return {"install": install, "command": command, "uninstall": uninstall}[step](*words)
+    return {"install": install, "command": command, "data": data, "uninstall": uninstall}[step](*words)
 
 
 def install(extension: str) -> int:
@@ -69,6 +70,23 @@ def command(*words: str) -> int:
     if SCENE.exists():
         bpy.ops.wm.open_mainfile(filepath=str(SCENE))
     return _registered["stormfield"](list(words))
+
+
+def data(file: str) -> int:
+    import bpy
+
+    add_repository()
+    import addon_utils
+
+    addon_utils.enable(MODULE)
+    assert bpy.ops.stormfield.import_data(filepath=file) == {"FINISHED"}
+    evaluated = bpy.context.object.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    import numpy as np
+
+    vectors = np.zeros(3 * len(evaluated.vertices), np.float32)
+    evaluated.attributes["sf_advection"].data.foreach_get("vector", vectors)
+    assert np.isfinite(vectors).all() and np.abs(vectors).max() > 0.01
+    return 0
 
 
 def uninstall() -> int:

@@ -42,7 +42,7 @@ def version(number):
 *version_info*) case "$*" in *"!= '{number}'"*) exit 0;; *) exit 1;; esac;;
 *"-m venv"*) mkdir -p "$3/bin"; cp "$0" "$3/bin/python";;
 *"-m pip"*) echo "$*" >> "$NOTES"; exit "${{PIP_STATUS:-0}}";;
--) cat >/dev/null; echo numpy;;
+"- "*) cat >/dev/null; touch "$2/requirements.txt" "$2/requirements-blender.txt";;
 esac"""
 
 

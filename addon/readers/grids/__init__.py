@@ -40,13 +40,13 @@ def read_grid(path: Path, choice: Choice) -> FieldData:
     """The field of a grid. Raises InputError that names the file, what is wrong and the cure."""
     where = str(path)
     with open_grid(path) as dataset:
-        variables = vector_variables(dataset)
+        variables = _outside_groups(dataset, where)
         pair = choose_pair(variables, choice.vector, where)
         grid = find_grid(dataset, pair, where)
         horizontal = _horizontal(variables, pair, grid)
         selection = select(dataset, variables[pair.east], horizontal, choice.by_dimension, where)
         times, chosen = _times(dataset.isel(selection.fixed), selection, choice, where)
-        said = _said(variables, pair)
+        said = _said(variables, pair, dataset)
     components = Components(
         functools.partial(open_grid, path), pair, grid.dims, selection.fixed, selection.over, chosen, said.speed, where
     )
@@ -71,14 +71,14 @@ def read_grid_mesh(path: Path) -> tuple[MeshData, Reading]:
     """The mesh of a grid whose field is not chosen yet, and what there is to choose."""
     where = str(path)
     with open_grid(path) as dataset:
-        variables = vector_variables(dataset)
+        variables = _outside_groups(dataset, where)
         pair = next(iter(find_pairs(variables)), None)
         if pair is None:
             raise InputError(f"{where}: has no vectors on a grid; it has {', '.join(variables) or 'nothing'}")
         grid = find_grid(dataset, pair, where)
         horizontal = _horizontal(variables, pair, grid)
         first = {str(dim): 0 for dim in variables[pair.east].dims if str(dim) not in horizontal}
-        said = _said(variables, pair)
+        said = _said(variables, pair, dataset)
     opened = functools.partial(open_grid, path)
     found = scan(Components(opened, pair, grid.dims, first, None, np.zeros(1, np.int64), said.speed, where))
     surface = _surface(grid, found, Choice(), where)
@@ -95,7 +95,7 @@ def _surface(grid: Grid, found: Scan, choice: Choice, where: str) -> Surface:
 @dataclass(frozen=True)
 class _Said:
     """What the file says of the chosen pair and of others. speed: metres per second of one unit, None where the unit is
-    none of speed."""
+    none of speed. groups: names of those in the file."""
 
     arrays: tuple[ArrayInfo, ...]
     choices: tuple[ArrayInfo, ...]
@@ -103,9 +103,10 @@ class _Said:
     unit: str
     speed: float | None
     staggered: bool
+    groups: tuple[str, ...]
 
 
-def _said(variables: dict, pair: Pair) -> _Said:
+def _said(variables: dict, pair: Pair, dataset) -> _Said:
     of = unit(variables[pair.east])
     return _Said(
         tuple(_info(name, variables[name]) for name in (pair.east, pair.north)),
@@ -114,7 +115,19 @@ def _said(variables: dict, pair: Pair) -> _Said:
         of,
         speed_of(of) if of else 1.0,
         variables[pair.east].dims != variables[pair.north].dims,
+        getattr(dataset, "groups", ()),
     )
+
+
+def _outside_groups(dataset, where: str) -> dict:
+    """vector_variables. Raises InputError where groups of the file have them all."""
+    variables, groups = vector_variables(dataset), getattr(dataset, "groups", ())
+    if groups and not variables:
+        raise InputError(
+            f"{where}: its variables are in groups ({', '.join(groups)}), which are not read; "
+            f"make a file of one with: ncks -G : -g {groups[0]} IN.nc OUT.nc"
+        )
+    return variables
 
 
 def vector_variables(dataset) -> dict:
@@ -194,6 +207,8 @@ def _notes(
     yield from surface.notes
     if said.staggered:
         yield "a staggered grid: components averaged to the middle of its cells"
+    if said.groups:
+        yield f"groups of the file are not read: {', '.join(said.groups)}"
     if said.others:
         yield f"other vectors to choose: {'; '.join(said.others)}"
     if not said.unit:

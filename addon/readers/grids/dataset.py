@@ -1,26 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Named arrays on named dimensions, read when asked for: what is needed of xarray, for single files and without it.
 
-    with netcdf(path) as dataset:
+    with netcdf(path) as dataset:                        # netcdf.py
         dataset["u10"].isel({"time": 3}).values      # (latitude, longitude), decoded
 
-Datasets of xarray serve as well: both have the same names for the same things. As there, values are decoded by
-_FillValue, missing_value, scale_factor, add_offset and _Unsigned, which move from attrs to encoding; times are numbers.
+Datasets of xarray serve as well: both have the same names for the same things. As there, what says how values are
+stored moves from attrs to encoding.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 Index = tuple[Any, ...]
-#: Attributes that say how values are stored, or which variables belong to them.
-ENCODING = ("_FillValue", "missing_value", "scale_factor", "add_offset", "_Unsigned", "coordinates")
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,9 +98,11 @@ class Variable:
 
 
 class Dataset:
-    """Variables by name; those that are coordinates beside the data."""
+    """Variables by name; those that are coordinates beside the data. groups: names of those that hold more variables,
+    which are not read."""
 
-    def __init__(self, variables: Mapping[str, Variable], coords: set[str]) -> None:
+    def __init__(self, variables: Mapping[str, Variable], coords: set[str], groups: tuple[str, ...] = ()) -> None:
+        self.groups = groups
         self.coords = {name: variable for name, variable in variables.items() if name in coords}
         self.variables = {
             name: replace(
@@ -122,43 +120,4 @@ class Dataset:
 
     def isel(self, chosen: Mapping[str, int]) -> Dataset:
         """One index of each named dimension, of every variable that has it."""
-        return Dataset({name: one.isel(chosen) for name, one in self.variables.items()}, set(self.coords))
-
-
-@contextmanager
-def netcdf(path: Path) -> Iterator[Dataset]:
-    """The variables of a NetCDF file while it is open. Raises OSError where it is none."""
-    import netCDF4
-
-    with netCDF4.Dataset(path) as file:
-        file.set_auto_maskandscale(False)
-        variables = {name: _variable(name, stored) for name, stored in file.variables.items()}
-        named = {word for one in variables.values() for word in str(one.encoding.get("coordinates", "")).split()}
-        axes = {name for name, one in variables.items() if one.dims == (name,)}
-        yield Dataset(variables, (named & variables.keys()) | axes)
-
-
-def _variable(name: str, stored) -> Variable:
-    attrs = {key: stored.getncattr(key) for key in stored.ncattrs()}
-    encoding = {key: attrs.pop(key) for key in ENCODING if key in attrs}
-    encoding["dtype"] = dtype = np.dtype(stored.dtype)
-    plain = not encoding.keys() & set(ENCODING[:5])
-
-    def load(index: Index) -> np.ndarray:
-        values = np.asarray(stored[index] if index else stored[...])
-        return values if plain or not np.issubdtype(dtype, np.number) else _decoded(values, encoding)
-
-    decoded = dtype if plain or not np.issubdtype(dtype, np.number) else np.dtype(np.float64)
-    return Variable(name, tuple(stored.dimensions), tuple(stored.shape), decoded, load, attrs, encoding)
-
-
-def _decoded(values: np.ndarray, encoding: Mapping[str, Any]) -> np.ndarray:
-    marks = [np.ravel(encoding[key]) for key in ("_FillValue", "missing_value") if key in encoding]
-    if str(encoding.get("_Unsigned", "")).lower() == "true" and values.dtype.kind == "i":
-        unsigned = np.dtype(f"u{values.dtype.itemsize}")
-        values, marks = values.view(unsigned), [mark.astype(values.dtype).view(unsigned) for mark in marks]
-    missing = np.isin(values, np.concatenate(marks)) if marks else np.zeros(values.shape, bool)
-    scaled = values.astype(np.float64) * float(encoding.get("scale_factor", 1.0)) + float(
-        encoding.get("add_offset", 0.0)
-    )
-    return np.where(missing, np.nan, scaled)
+        return Dataset({name: one.isel(chosen) for name, one in self.variables.items()}, set(self.coords), self.groups)

@@ -17,7 +17,8 @@ import numpy as np
 
 from ...model.errors import InputError, MissingPackageError
 from ..geography import COMMON, EPOCH
-from .dataset import Dataset, Variable, netcdf
+from .dataset import Dataset, Variable
+from .netcdf import netcdf
 from .times import times_of
 from .vocabulary import is_time
 
@@ -136,10 +137,11 @@ def _differs(known, array, dim: object) -> bool:
 
 @contextmanager
 def _netcdf(file: Path) -> Iterator[Dataset]:
-    _need(file, "netCDF4", "")
     with ExitStack() as stack:
         try:
             dataset = stack.enter_context(netcdf(file))
+        except InputError:
+            raise
         except Exception as error:
             raise InputError(f"{file}: is not a grid that can be read ({_reason(error)})") from error
         yield dataset
