@@ -9,6 +9,7 @@ from bpy.app.handlers import persistent
 from .scene.write import cache_files, cache_folders, mirror, sequence_folders
 from .session import (
     coarse_mesh,
+    edit_preview,
     found_caches,
     freshness,
     made_caches,
@@ -86,6 +87,7 @@ def forget_solver(*_):
 
 @persistent
 def forget_morse(*_):
+    edit_preview.forget()
     morse_preview.forget()
     morse_state.forget()
 

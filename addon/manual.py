@@ -60,6 +60,9 @@ ELSEWHERE = {
     ("AnalysisProperties", "shown"): "panels/analysis",
     ("AnalysisProperties", "persistence"): "panels/analysis",
     ("AnalysisProperties", "detail"): "panels/analysis",
+    ("AnalysisProperties", "show_partners"): "panels/edits",
+    ("AnalysisProperties", "preview_simplify"): "panels/edits",
+    ("AnalysisProperties", "keep"): "panels/edits",
 }
 
 

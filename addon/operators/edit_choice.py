@@ -4,7 +4,7 @@
 import bpy
 
 from ..scene.read.current_field import why_no_field
-from ..session import freshness
+from ..session import edit_preview, freshness
 from . import solve
 
 #: λ that differ by less are the same.
@@ -65,7 +65,16 @@ def why_not_cancel(obj: bpy.types.Object) -> str:
         return f"{center.name} is a {center.kind}: what vanishes is a source, sink, saddle or periodic orbit"
     if len(items) == 2 and items[0].row == items[1].row != "saddle":
         return f"{items[0].name} and {items[1].name} both are {items[0].row}: no flow leads from one to the other"
-    return _why_apart(obj.stormfield.analysis.ecg_tree, chosen)
+    return _why_apart(obj.stormfield.analysis.ecg_tree, chosen) or _refused(obj, chosen)
+
+
+def _refused(obj: bpy.types.Object, chosen: tuple[int, ...]) -> str:
+    """What the core says against two that are selected, as far as a preview has asked it."""
+    active = obj.stormfield.analysis.ecg.active
+    if len(chosen) != 2 or active not in chosen or bpy.app.background:
+        return ""
+    partner = edit_preview.partners(obj).get(next(index for index in chosen if index != active))
+    return "" if partner is None else partner.reason
 
 
 def why_not_move(obj: bpy.types.Object) -> str:

@@ -3,7 +3,7 @@
 
 import bpy
 import numpy as np
-from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, StringProperty
 from bpy_extras import view3d_utils
 
 from ..edits.trial import MoveTrial
@@ -12,12 +12,13 @@ from ..model.errors import InputError
 from ..scene.read.active_field import active_field
 from ..scene.read.mesh import read_mesh
 from ..scene.read.places import Places
+from ..scene.read.sample import Sample
 from ..scene.read.seen_surface import SeenSurface, is_changed
 from ..session import edit_ghost, objects
 from ..session.edit_ghost import Ghost
 from ..work import Step, run
 from .edit_choice import why_not_move
-from .edit_operator import REACH, EditOperator, Sample
+from .edit_operator import REACH, EditOperator
 from .job_operator import TICK
 from .shared import report_fault
 
@@ -40,6 +41,9 @@ class STORMFIELD_OT_move_point(EditOperator, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
     reach: FloatProperty(**REACH)
+    held: BoolProperty(
+        name="Held", description="The button is down: its release applies", options={"HIDDEN", "SKIP_SAVE"}
+    )
     kind: StringProperty(name="Kind", description="Of the point that is moved", options={"HIDDEN", "SKIP_SAVE"})
     place: FloatVectorProperty(
         name="From", description="A place near the point that is moved (mesh units)", options={"HIDDEN", "SKIP_SAVE"}
@@ -74,7 +78,7 @@ class STORMFIELD_OT_move_point(EditOperator, bpy.types.Operator):
             self._trial = MoveTrial(run(sample.field()), EntityAt(self.kind, tuple(self.place)))
         except (ValueError, RuntimeError, OSError) as fault:
             return report_fault(self, fault)
-        self._uid, self._held, self._spot = obj.session_uid, event.value == "CLICK_DRAG", None
+        self._uid, self._spot = obj.session_uid, None
         self._dragging = context.window_manager.event_timer_add(TICK, window=context.window)
         context.workspace.status_text_set(HELP)
         context.window_manager.modal_handler_add(self)
@@ -100,7 +104,7 @@ class STORMFIELD_OT_move_point(EditOperator, bpy.types.Operator):
     def _is_confirmed(self, event) -> bool:
         """A click, or the release of the button that holds the dot."""
         if event.type == "LEFTMOUSE":
-            return event.value == ("RELEASE" if self._held else "PRESS")
+            return event.value == ("RELEASE" if self.held else "PRESS")
         return event.type in {"RET", "NUMPAD_ENTER"} and event.value == "PRESS"
 
     def cancel(self, context):

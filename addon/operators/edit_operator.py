@@ -11,9 +11,8 @@ from functools import partial
 
 import numpy as np
 
-from .. import native
 from ..analysis.entities import EntityGraph
-from ..analysis.steps import ecg_steps, field_steps
+from ..analysis.steps import ecg_steps
 from ..bake.edited import read_outcomes
 from ..bake.lambda_cache import solve_steps
 from ..cache.field_cache import open_cache
@@ -21,9 +20,9 @@ from ..cache.fields import ATTRIBUTE
 from ..model.edits import Edit, EntityAt, edits_from_json
 from ..model.errors import InputError
 from ..scene.read import folders
-from ..scene.read.current_field import cache_of, surface_in
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
+from ..scene.read.sample import Sample
 from ..scene.write import analysis_objects
 from ..scene.write.edits import add_edit
 from ..session import freshness, made_caches
@@ -42,21 +41,6 @@ REACH = {
     "max": 1.0,
     "default": 0.1,
 }
-
-
-class Sample:
-    """The field of the λ sample nearest to a λ, on the surface in an object's mesh."""
-
-    def __init__(self, obj, mesh, lam: float, attribute: str):
-        cache = cache_of(obj, mesh)
-        number = int(np.argmin(np.abs(cache.lambdas - lam)))
-        self.mesh, self.surface = mesh, surface_in(obj, mesh)
-        self.values = self.surface.to_surface(cache.sample(number)[attribute]).astype(np.float64)
-        self.lam = float(cache.lambdas[number])
-
-    def field(self) -> Steps["native.VectorField"]:
-        _, field = yield from field_steps(self.surface.mesh, self.values)
-        return field
 
 
 class EditOperator(solve.SolvingOperator):

@@ -2,7 +2,7 @@
 """Choose an entity: from a list, from the view (a click on its marker), and go to where and when it is."""
 
 import bpy
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty
 from mathutils import Vector
 
 from ..properties.analysis import LISTS
@@ -22,6 +22,7 @@ class STORMFIELD_OT_select_entity(FieldOperator, bpy.types.Operator):
     bl_options = {"UNDO", "INTERNAL"}
 
     which: EnumProperty(name="List", description="The analysis it belongs to", items=LISTS)
+    extend: BoolProperty(name="Extend", description="Keep the active entity selected as well", options={"SKIP_SAVE"})
     index: IntProperty(name="Entity", description="Its place in the list (count); -1 selects none", min=-1)
 
     def execute(self, context):
@@ -29,7 +30,7 @@ class STORMFIELD_OT_select_entity(FieldOperator, bpy.types.Operator):
         if self.index >= len(obj.stormfield.analysis.list(self.which).items):
             self.report({"WARNING"}, f"There is no entity {self.index}; analyze again")
             return {"CANCELLED"}
-        selection.select(obj, self.which, self.index)
+        (selection.extend if self.extend else selection.select)(obj, self.which, self.index)
         return {"FINISHED"}
 
 

@@ -205,6 +205,18 @@ class AnalysisProperties(bpy.types.PropertyGroup):
         default=True,
     )
     show_sets: BoolProperty(name="Regions", description="Colour the faces of the regions (Morse sets)", default=True)
+    show_partners: BoolProperty(
+        name="Show Partners",
+        description="Light up what the selected entity can be cancelled with, and grey what it cannot; two that are "
+        "selected show the faces that would change",
+        default=True,
+    )
+    preview_simplify: BoolProperty(
+        name="Preview", description="Cross out at once what Simplify would take away", default=False
+    )
+    keep: IntProperty(
+        name="Keep", description="Fixed points and orbits that Simplify leaves (count)", min=1, soft_max=100, default=12
+    )
     show_names: BoolProperty(name="Names", description="Write the names of all entities next to them", default=False)
     width: FloatProperty(
         name="Line Width",

@@ -3,9 +3,10 @@
 
 import bpy
 
-from ..operators.edit_choice import why_not_cancel, why_not_region
+from ..operators.edit_choice import picked, why_not_cancel, why_not_region
 from ..operators.edit_operator import EditOperator
 from ..scene.read.active_field import active_field
+from ..session import edit_preview
 from .panel_parts import FieldPanel, draw_progress, hint, text_lines
 
 #: What became of an edit, before the reason why it was not done, or not all of it.
@@ -26,12 +27,13 @@ class STORMFIELD_PT_edits(FieldPanel, bpy.types.Panel):
             column = layout.column(align=True)
             column.operator("stormfield.cancel_pair", icon="TRASH")
             column.operator("stormfield.cancel_weakest", icon="REMOVE")
-            column.operator("stormfield.simplify", icon="MOD_DECIM")
             column.operator("stormfield.move_point", icon="EMPTY_ARROWS")
+            _draw_simplify(context, layout.column(align=True), obj)
             column = layout.column(align=True)
             column.operator("stormfield.smooth_region", icon="MOD_SMOOTH")
             column.operator("stormfield.transform_field", icon="ORIENTATION_GIMBAL")
-            hint(context, layout, why_not_region(obj) or why_not_cancel(obj))
+            hint(context, layout, why_not_region(obj) or why_not_cancel(obj) or _why_not_pair(obj))
+            layout.prop(obj.stormfield.analysis, "show_partners")
         field = obj.stormfield
         if not field.edits:
             return
@@ -45,6 +47,31 @@ class STORMFIELD_PT_edits(FieldPanel, bpy.types.Panel):
         edit = field.chosen_edit()
         if edit is not None:
             _draw_edit(context, self.settings_layout(), obj, edit)
+
+
+def _draw_simplify(context, column, obj) -> None:
+    analysis = obj.stormfield.analysis
+    row = column.row(align=True)
+    row.operator("stormfield.simplify", icon="MOD_DECIM").keep = analysis.keep
+    row.prop(analysis, "preview_simplify", text="", icon="HIDE_OFF" if analysis.preview_simplify else "HIDE_ON")
+    column.prop(analysis, "keep", slider=True)
+    simpler = edit_preview.simpler(obj)
+    if simpler is not None:
+        count = f"{len(analysis.ecg.items)} entities become {simpler.count}"
+        text_lines(context, column, count, icon="INFO" if simpler.count <= simpler.keep else "ERROR")
+    elif edit_preview.is_busy(obj):
+        column.label(text="Looking what would be left…", icon="TIME")
+
+
+def _why_not_pair(obj) -> str:
+    """What must remain of the two that are selected, as the core says."""
+    chosen, active = picked(obj), obj.stormfield.analysis.ecg.active
+    if len(chosen) != 2 or active not in chosen:
+        return ""
+    partner = edit_preview.partners(obj).get(next(index for index in chosen if index != active))
+    if partner is None:
+        return ""
+    return partner.reason or f"Leaves {partner.left}"
 
 
 def _draw_edit(context, layout, obj, edit) -> None:

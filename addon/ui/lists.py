@@ -4,6 +4,7 @@
 import bpy
 
 from ..properties.element import TYPES
+from ..session import edit_preview
 from . import icons
 
 TYPE_ICONS = {key: icon for key, _label, _text, icon, _number in TYPES}
@@ -58,6 +59,9 @@ class STORMFIELD_UL_entities(bpy.types.UIList):
     def draw_item(self, _context, layout, data, item, _icon, _active, _property, _index=0, _flag=0):
         lives = self.list_id == "history" and item.lam_end > item.lam_start  # two numbers
         split = layout.split(factor=0.58 if lives else 0.66)
+        if self.list_id == "ecg":
+            partner = edit_preview.partners(item.id_data).get(_index)
+            split.active = partner is None or not partner.reason
         split.label(text=item.name, icon_value=icons.of(item.kind))
         number = split.row()
         number.alignment = "RIGHT"

@@ -21,7 +21,7 @@ _RING = np.linspace(0.0, 2.0 * np.pi, 33)
 
 @dataclass(frozen=True)
 class Marker:
-    kind: str  #: a kind, or "ring" around a selected one
+    kind: str  #: a kind, or one of SHAPES around or over a marker
     position: np.ndarray  #: (3,) in the object's space
     size: float = 1.0  #: of RADIUS
     opacity: float = 1.0
@@ -69,7 +69,7 @@ def _batch(context: bpy.types.Context, matrix: np.ndarray, marks: list[Marker]):
             continue
         radius = pixels * depth / scale
         towards = back if eye is None else (eye - place) / np.linalg.norm(eye - place)
-        flat, colour = ring() if marker.kind == "ring" else markers.triangles(marker.kind)
+        flat, colour = SHAPES[marker.kind]() if marker.kind in SHAPES else markers.triangles(marker.kind)
         flat = flat * marker.size
         corners.append(place + radius * (flat[:, :1] * right + flat[:, 1:] * up) + 1.5 * radius * towards)
         colours.append(colour * (1.0, 1.0, 1.0, marker.opacity))
@@ -91,6 +91,42 @@ def ring() -> tuple[np.ndarray, np.ndarray]:
         [np.stack([inner[:-1], outer[:-1], outer[1:]], 1), np.stack([inner[:-1], outer[1:], inner[1:]], 1)]
     ).reshape(-1, 2)
     return corners.astype(np.float32), np.ones((len(corners), 4), np.float32)
+
+
+def glow() -> tuple[np.ndarray, np.ndarray]:
+    """A soft ring around what can be chosen."""
+    return _annulus(1.3, 2.3, (1.0, 0.85, 0.3, 0.9), (1.0, 0.85, 0.3, 0.0))
+
+
+def veil() -> tuple[np.ndarray, np.ndarray]:
+    """A grey disc over what cannot be chosen."""
+    return _annulus(0.0, 1.3, (0.32, 0.32, 0.34, 0.75), (0.32, 0.32, 0.34, 0.75))
+
+
+def cross() -> tuple[np.ndarray, np.ndarray]:
+    """Over what would vanish."""
+    bar = np.array([(-1.5, -0.18), (1.5, -0.18), (1.5, 0.18), (-1.5, -0.18), (1.5, 0.18), (-1.5, 0.18)])
+    turned = [bar @ np.array([(c, s), (-s, c)]) for c, s in ((0.7071, 0.7071), (0.7071, -0.7071))]
+    corners = np.concatenate(turned).astype(np.float32)
+    return corners, np.tile(np.array((0.95, 0.2, 0.15, 1.0), np.float32), (len(corners), 1))
+
+
+def _annulus(inner: float, outer: float, first, last) -> tuple[np.ndarray, np.ndarray]:
+    """From one radius and colour to the other."""
+    circle = np.stack([np.cos(_RING), np.sin(_RING)], axis=1)
+    near, far = inner * circle, outer * circle
+    corners = np.concatenate(
+        [np.stack([near[:-1], far[:-1], far[1:]], 1), np.stack([near[:-1], far[1:], near[1:]], 1)]
+    ).reshape(-1, 2)
+    count = len(_RING) - 1
+    colours = np.concatenate(
+        [np.tile((first, last, last), (count, 1, 1)), np.tile((first, last, first), (count, 1, 1))]
+    )
+    return corners.astype(np.float32), colours.reshape(-1, 4).astype(np.float32)
+
+
+#: What may lie around or over a marker.
+SHAPES = {"ring": ring, "glow": glow, "veil": veil, "cross": cross}
 
 
 def on_screen(context: bpy.types.Context, matrix_world, positions: np.ndarray) -> np.ndarray:

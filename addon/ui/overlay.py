@@ -15,6 +15,7 @@ from ..scene.read.active_field import active_field
 from . import (
     analysis_overlay,
     drawing_cache,
+    edit_overlay,
     element_overlay,
     legend,
     marker_drawing,
@@ -38,6 +39,7 @@ _handles: list = []
 
 def forget() -> None:
     analysis_overlay.forget()
+    edit_overlay.forget()
     element_overlay.forget()
     motion.forget()
     legend.forget()
@@ -86,6 +88,7 @@ def draw_field(context: bpy.types.Context) -> None:
         if drawing is not None:
             points = (Marker(kind, position) for kind, position in drawing.points)
             marker_drawing.draw(context, evaluated.matrix_world, points)
+        edit_overlay.draw(context, obj, evaluated)
 
 
 def _shown_objects(context):

@@ -11,12 +11,15 @@ import numpy as np
 from bpy_extras import view3d_utils
 from mathutils import Vector
 
+from ..operators.edit_choice import why_not_move
 from ..scene.read import results
 from ..scene.read.active_field import active_field
 from . import analysis_drawing, analysis_overlay, element_drawing, legend, marker_drawing, motion
 
 #: How near the pointer must be to a marker and to a line (pixels at 100 % interface scale).
 REACH, LINE_REACH = 11.0, 6.0
+#: How far a marker is pulled before its point moves (the same).
+PULL = 6.0
 
 
 def entity_at(context: bpy.types.Context, obj, evaluated, pointer) -> tuple[str, int] | None:
@@ -99,7 +102,7 @@ def _hidden(context, evaluated, place: np.ndarray) -> bool:
 
 class STORMFIELD_GT_entities(bpy.types.Gizmo):
     bl_idname = "STORMFIELD_GT_entities"
-    __slots__ = ("element", "hit", "on_legend")
+    __slots__ = ("element", "hit", "on_legend", "pressed")
 
     def draw(self, _context):
         """Nothing: the overlay draws the entities."""
@@ -121,7 +124,7 @@ class STORMFIELD_GT_entities(bpy.types.Gizmo):
             self.element = element_at(context, obj, evaluated, location)
         return -1 if self.hit is None and self.element is None else 0
 
-    def invoke(self, context, _event):
+    def invoke(self, context, event):
         if getattr(self, "on_legend", False):
             look = active_field(context).stormfield.look
             look.legend_folded = not look.legend_folded
@@ -133,11 +136,19 @@ class STORMFIELD_GT_entities(bpy.types.Gizmo):
         hit = getattr(self, "hit", None)
         if hit is None:
             return {"PASS_THROUGH"}
-        bpy.ops.stormfield.select_entity("INVOKE_DEFAULT", which=hit[0], index=hit[1])
-        return {"FINISHED"}
+        bpy.ops.stormfield.select_entity("INVOKE_DEFAULT", which=hit[0], index=hit[1], extend=event.shift)
+        if hit[0] != "ecg" or event.shift or why_not_move(active_field(context)):
+            return {"FINISHED"}
+        self.pressed = event.mouse_region_x, event.mouse_region_y
+        return {"RUNNING_MODAL"}
 
-    def modal(self, _context, _event, _tweak):
-        return {"FINISHED"}
+    def modal(self, context, event, _tweak):
+        """A click has selected; pulling the marker away moves its point."""
+        away = np.hypot(event.mouse_region_x - self.pressed[0], event.mouse_region_y - self.pressed[1])
+        if event.type == "MOUSEMOVE" and away > PULL * context.preferences.system.ui_scale:
+            bpy.ops.stormfield.move_point("INVOKE_DEFAULT", held=True)
+            return {"FINISHED"}
+        return {"FINISHED"} if event.type in {"LEFTMOUSE", "ESC", "RIGHTMOUSE"} else {"RUNNING_MODAL"}
 
 
 class STORMFIELD_GGT_entities(bpy.types.GizmoGroup):

@@ -89,8 +89,8 @@ def test_places_are_tried_while_a_point_is_dragged(pair):
 
     from stormfield.edits.trial import MoveTrial
     from stormfield.model.edits import EntityAt
-    from stormfield.operators.edit_operator import Sample
     from stormfield.scene.read.mesh import read_mesh
+    from stormfield.scene.read.sample import Sample
     from stormfield.work import run
 
     sample = Sample(pair, read_mesh(pair), 0.0, "sf_advection")

@@ -92,10 +92,17 @@ def test_edits_are_drawn_with_their_reason_and_what_can_be_set(storms):
     add_edit(storms, Edit("cancel", entities=pair), "A1 and S2")
     drawn = draw_all()
     assert {"stormfield.cancel_pair", "edits", "stormfield.move_edit", "lam", "reach"} <= set(drawn)
-    assert "keep" not in drawn
+    assert drawn.count("keep") == 1  # that of Simplify
     add_edit(storms, Edit("simplify", keep=4), "Keep 4")
     storms.stormfield.edits[1].status, storms.stormfield.edits[1].reason = "refused", "it has no reason"
-    assert "keep" in draw_all()
+    assert draw_all().count("keep") == 2
+    for kind, settings in (
+        ("move", {"to"}),
+        ("smooth", {"region", "center", "radius", "lam_end"}),
+        ("transform", {"angle", "scale", "stretch", "frozen"}),
+    ):
+        add_edit(storms, Edit(kind), kind)
+        assert settings <= set(draw_all())
     for item in storms.stormfield.edits:
         row: list[str] = []
         STORMFIELD_UL_edits.draw_item(None, None, Layout(row), None, item, 0, None, "")

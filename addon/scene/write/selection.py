@@ -19,6 +19,15 @@ def select(obj: bpy.types.Object, which: str, index: int) -> None:
     analysis.list(which).active = index  # its update does the rest
 
 
+def extend(obj: bpy.types.Object, which: str, index: int) -> None:
+    """Select an entity besides the active one, as Shift does; the new one is the active one. The graph holds both."""
+    tree, before = entity_nodes.tree_of(obj, which), obj.stormfield.analysis.list(which).active
+    select(obj, which, index)
+    for node in tree.nodes if tree is not None else ():
+        if node.entity == before:
+            node.select = True
+
+
 def list_changed(obj: bpy.types.Object, which: str) -> None:
     """The list's active item has changed: let the graph and all views follow."""
     analysis = obj.stormfield.analysis
