@@ -22,7 +22,8 @@ from ..scene.read.lambda_source import plain_keys
 from ..session import freshness
 from . import drawing_cache, palette
 from . import element_shapes as shapes
-from .surface import Surface, lift
+from .element_rings import Rings
+from .surface import Surface, laid, lift
 
 #: Distance of points along a path, of arrows of travel, and their size, over the object's size.
 STEP, ARROWS, HEAD = 1 / 150, 1 / 9, 1 / 60
@@ -48,13 +49,12 @@ class Shape:
     name: str
     type: str
     kind: str
-    angle: float
     radius: float
     lam: tuple[float, float]
     paths: list[Path]
-    fixed: np.ndarray  #: (l, 2, 3) path, arrows, ticks
-    on: tuple[Surface, object]  #: surface and native mesh
-    _ring: tuple[float, np.ndarray] | None = None
+    fixed: np.ndarray  #: (l, 2, 3) path and arrows
+    ticks: np.ndarray  #: (l, 2, 3) of λ, drawn while it is selected
+    rings: Rings | None = None  #: of what has a radius around a place
 
     @property
     def moves(self) -> bool:
@@ -71,29 +71,10 @@ class Shape:
 
     def at(self, lam: float) -> np.ndarray:
         """(l, 2, 3) the ring of the radius and the sign of the turning."""
-        kept = 0.0 if not self.moves else lam
-        alive = self.place(lam)
-        if alive is None or self.type in {"streamline", "regular"}:
+        if self.rings is None or self.place(lam) is None:
             return NOTHING
-        if self._ring is None or self._ring[0] != kept:
-            self._ring = (kept, self._ring_around(alive, lam))
-        return self._ring[1]
-
-    def _ring_around(self, centre: np.ndarray, lam: float) -> np.ndarray:
-        surface, mesh = self.on
-        flat = shapes.ring() + (shapes.sign(self.kind, self.angle) if self.type == "singular" else [])
-        path = self.paths[0]
-        near = int(np.argmin(np.abs(path.lam - lam))) if self.moves else 0
-        normal = path.normals[near]
-        ahead = path.points[min(near + 1, len(path.points) - 1)] - path.points[max(near - 1, 0)]
-        first = ahead - normal * (ahead @ normal)
-        if np.linalg.norm(first) < 1e-12:
-            first = np.cross(normal, (1.0, 0.0, 0.0) if abs(normal[0]) < 0.8 else (0.0, 1.0, 0.0))
-        first = first / np.linalg.norm(first)
-        axes = np.stack([first, np.cross(normal, first)])
-        sizes = [len(line) for line in flat]
-        raised, _ = lift(centre + self.radius * (np.concatenate(flat) @ axes), surface, mesh)
-        return segments(np.split(raised, np.cumsum(sizes)[:-1]))
+        arc = float(np.interp(lam, self.paths[0].lam, self.rings.arc)) if self.moves else 0.0
+        return segments(self.rings.at(arc))
 
 
 @dataclass
@@ -162,10 +143,26 @@ def _shape(obj: bpy.types.Object, element, surface: Surface, mesh) -> Shape:
         elif point:  # as long as the element reaches
             line = np.stack([line[0], line[0] + element.radius * _unit(line[1] - line[0])])
         paths.append(_path(line, lam, surface, mesh))
-    heads = _heads(element, paths, surface.size)
-    fixed = segments([path.points for path in paths] + heads)
-    radius = element.radius
-    return Shape(0, element.name, element.type, element.kind, element.angle, radius, lam, paths, fixed, (surface, mesh))
+    size = surface.size
+
+    def lay(lines: list[np.ndarray]) -> list[np.ndarray]:
+        return [laid(shapes.resampled(line, STEP * size), surface, mesh)[0] for line in lines]
+
+    heads = [head for path in paths for head in shapes.chevrons(path.points, path.normals, ARROWS * size, HEAD * size)]
+    fixed = segments([path.points for path in paths] + lay(heads))
+    timed = element.type in MOVING and not element.from_animation
+    ticks = [
+        tick for path in paths if timed for tick in shapes.ticks(path.points, path.normals, path.lam, 0.6 * HEAD * size)
+    ]
+    rings = _rings(element, paths[0], surface, mesh) if paths and element.type in MOVING else None
+    return Shape(
+        0, element.name, element.type, element.kind, element.radius, lam, paths, fixed, segments(lay(ticks)), rings
+    )
+
+
+def _rings(element, path: Path, surface: Surface, mesh) -> Rings:
+    sign = shapes.sign(element.kind, element.angle) if element.type == "singular" else []
+    return Rings(path.points, path.normals[0], element.radius, sign, (surface, mesh))
 
 
 def _path(line: np.ndarray, lam: tuple[float, float], surface: Surface, mesh) -> Path:
@@ -175,20 +172,8 @@ def _path(line: np.ndarray, lam: tuple[float, float], surface: Surface, mesh) ->
     arc = shapes.arc_length(line)
     share = arc / arc[-1] if arc[-1] > 0 else arc
     fine, times = shapes.resampled(line, STEP * surface.size, lam[0] + share * (lam[1] - lam[0]))
-    points, normals = lift(fine, surface, mesh)
-    return Path(points, normals, times)
-
-
-def _heads(element, paths: Sequence[Path], size: float) -> list[np.ndarray]:
-    """Arrows of travel, and ticks where λ grows along the path."""
-    lines: list[np.ndarray] = []
-    for path in paths:
-        if len(path.points) < 2:
-            continue
-        lines += shapes.chevrons(path.points, path.normals, ARROWS * size, HEAD * size)
-        if element.type in MOVING and not element.from_animation:
-            lines += shapes.ticks(path.points, path.normals, path.lam, 0.6 * HEAD * size)
-    return lines
+    points, normals, at = laid(fine, surface, mesh)
+    return Path(points, normals, np.interp(at, np.arange(len(times)), times))
 
 
 def _meeting_marks(obj, found: list[Shape], surface: Surface, mesh) -> list[MeetingMark]:

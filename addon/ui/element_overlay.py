@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The design elements in the 3D view: lines in their kind's colour within a dark rim, rings, names, and meetings."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import bpy
@@ -17,11 +18,22 @@ DARK, HALO = (0.02, 0.02, 0.03, 0.85), (1.0, 1.0, 1.0, 1.0)
 
 
 @dataclass
-class _Batches:
-    """What was sent to the GPU of one object, and for what."""
+class _Lines:
+    """Lines of one width within a rim, sent to the GPU."""
 
-    key: tuple = ()
-    lines: list = field(default_factory=list)  #: (batch, rim, width, rim's width)
+    lines: object
+    rims: object
+    width: float
+
+
+@dataclass
+class _Batches:
+    """What was sent to the GPU of one object, and for what: lines that stay, and those that move with λ."""
+
+    staying: tuple = ()
+    moving: tuple = ()
+    fixed: list[_Lines] = field(default_factory=list)
+    rings: list[_Lines] = field(default_factory=list)
 
 
 _batches: dict[int, _Batches] = {}
@@ -38,13 +50,17 @@ def draw(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types
         return
     lam, chosen = evaluated.stormfield.lam, selected(context, obj)
     kept = _batches.setdefault(obj.session_uid, _Batches())
-    key = (drawing.version, lam if any(shape.moves for shape in drawing.shapes) else 0.0, chosen)
-    if kept.key != key:
-        kept.key, kept.lines = key, _make(drawing, lam, chosen)
+    staying = (drawing.version, chosen)
+    if kept.staying != staying:
+        kept.staying = staying
+        kept.fixed = _make(drawing, chosen, lambda shape: _staying(shape, shape.index in chosen))
+    moving = (*staying, lam if any(shape.moves for shape in drawing.shapes) else 0.0)
+    if kept.moving != moving:
+        kept.moving, kept.rings = moving, _make(drawing, chosen, lambda shape: shape.at(lam))
     unit = context.preferences.system.ui_scale
-    for batch, rim, width, rim_width in kept.lines:
-        polylines.draw(context, evaluated.matrix_world, rim, rim_width * unit)
-        polylines.draw(context, evaluated.matrix_world, batch, width * unit)
+    for made in (*kept.fixed, *kept.rings):
+        polylines.draw(context, evaluated.matrix_world, made.rims, (made.width + RIM) * unit)
+        polylines.draw(context, evaluated.matrix_world, made.lines, made.width * unit)
     marks = [Marker("meeting", mark.position, 0.9) for mark in drawing.meetings]
     marker_drawing.draw(context, evaluated.matrix_world, marks)
 
@@ -62,21 +78,21 @@ def selected(context: bpy.types.Context, obj: bpy.types.Object) -> frozenset[int
     return frozenset(chosen)
 
 
-def _make(drawing: ElementsDrawing, lam: float, chosen: frozenset[int]) -> list:
+def _staying(shape: Shape, chosen: bool) -> np.ndarray:
+    return np.concatenate([shape.fixed, shape.ticks]) if chosen else shape.fixed
+
+
+def _make(drawing: ElementsDrawing, chosen: frozenset[int], ends_of: Callable[[Shape], np.ndarray]) -> list[_Lines]:
     made = []
-    for shapes, width, rim in (
-        ([shape for shape in drawing.shapes if shape.index not in chosen], WIDTH, DARK),
-        ([shape for shape in drawing.shapes if shape.index in chosen], SELECTED, HALO),
-    ):
-        ends = [np.concatenate([shape.fixed, shape.at(lam)]) for shape in shapes]
+    for is_chosen, width, rim in ((False, WIDTH, DARK), (True, SELECTED, HALO)):
+        shapes = [shape for shape in drawing.shapes if (shape.index in chosen) == is_chosen]
+        ends = [ends_of(shape) for shape in shapes]
         if not sum(map(len, ends)):
             continue
-        colours = [_colours(shape, len(end)) for shape, end in zip(shapes, ends, strict=True)]
+        colours = np.concatenate([_colours(shape, len(end)) for shape, end in zip(shapes, ends, strict=True)])
         joined = np.concatenate(ends)
         rims = np.broadcast_to(rim, (len(joined), 2, 4))
-        made.append(
-            (polylines.batch(joined, np.concatenate(colours)), polylines.batch(joined, rims), width, width + RIM)
-        )
+        made.append(_Lines(polylines.batch(joined, colours), polylines.batch(joined, rims), width))
     return made
 
 

@@ -6,7 +6,7 @@ Everything here is flat or a plain polyline; element_drawing.py lays it onto the
 
 import numpy as np
 
-_CIRCLE = np.linspace(0.0, 2.0 * np.pi, 41)
+_CIRCLE = np.linspace(0.0, 2.0 * np.pi, 65)
 
 
 def ring() -> list[np.ndarray]:
@@ -59,8 +59,25 @@ def resampled(line: np.ndarray, step: float, values: np.ndarray | None = None):
     pieces = np.maximum(1, np.ceil(np.linalg.norm(np.diff(line, axis=0), axis=1) / step).astype(int))
     at = np.concatenate([i + np.arange(n) / n for i, n in enumerate(pieces)] + [np.array([len(line) - 1.0])])
     known = np.arange(len(line))
-    points = np.stack([np.interp(at, known, line[:, axis]) for axis in range(3)], axis=1)
+    points = np.stack([np.interp(at, known, line[:, axis]) for axis in range(line.shape[1])], axis=1)
     return points if values is None else (points, np.interp(at, known, values))
+
+
+def spread(line: np.ndarray, count: int) -> np.ndarray:
+    """The polyline with so many points, as far from each other."""
+    arc = arc_length(line)
+    at = np.linspace(0.0, arc[-1], count)
+    return np.stack([np.interp(at, arc, line[:, axis]) for axis in range(line.shape[1])], axis=1)
+
+
+def smoothed(line: np.ndarray, times: int) -> np.ndarray:
+    """Each point moved half-way to the middle of its neighbours; the ends of an open line stay."""
+    closed = bool(np.allclose(line[0], line[-1])) and len(line) > 3
+    for _ in range(times):
+        middle = 0.25 * line[:-2] + 0.5 * line[1:-1] + 0.25 * line[2:]
+        join = 0.25 * line[-2:-1] + 0.5 * line[:1] + 0.25 * line[1:2]
+        line = np.concatenate([join, middle, join] if closed else [line[:1], middle, line[-1:]])
+    return line
 
 
 def arc_length(line: np.ndarray) -> np.ndarray:
@@ -69,7 +86,9 @@ def arc_length(line: np.ndarray) -> np.ndarray:
 
 
 def chevrons(line: np.ndarray, normals: np.ndarray, every: float, size: float) -> list[np.ndarray]:
-    """Arrow heads along a line, at least one: polylines (3, 3)."""
+    """Arrow heads along a line, at least one: polylines (3, 3). A single point has none."""
+    if len(line) < 2:
+        return []
     arc = arc_length(line)
     count = max(1, round(arc[-1] / every))
     heads = []
@@ -87,13 +106,24 @@ def chevrons(line: np.ndarray, normals: np.ndarray, every: float, size: float) -
 
 
 def ticks(line: np.ndarray, normals: np.ndarray, lam: np.ndarray, half: float) -> list[np.ndarray]:
-    """Strokes across a path at every tenth of λ: polylines (2, 3)."""
+    """Strokes across a path at every tenth of λ, or every half where these would stand too close: polylines (2, 3)."""
+    if len(line) < 2:
+        return []
     marks = []
-    for tenth in np.arange(np.ceil(lam[0] * 10 - 1e-6), np.floor(lam[-1] * 10 + 1e-6) + 1) / 10.0:
-        i = int(np.clip(np.searchsorted(lam, tenth) - 1, 0, len(line) - 2))
-        share = (tenth - lam[i]) / (lam[i + 1] - lam[i]) if lam[i + 1] > lam[i] else 0.0
+    for time in _even_times(lam[0], lam[-1], arc_length(line)[-1] / (2.5 * half)):
+        i = int(np.clip(np.searchsorted(lam, time) - 1, 0, len(line) - 2))
+        share = (time - lam[i]) / (lam[i + 1] - lam[i]) if lam[i + 1] > lam[i] else 0.0
         place = line[i] + np.clip(share, 0.0, 1.0) * (line[i + 1] - line[i])
         aside = np.cross(normals[i], line[i + 1] - line[i])
         aside = aside / max(float(np.linalg.norm(aside)), 1e-12)
         marks.append(np.stack([place - half * aside, place + half * aside]))
     return marks
+
+
+def _even_times(first: float, last: float, most: float) -> np.ndarray:
+    """The tenths or halves of λ from first to last, at most so many; none where even these are more."""
+    for step in (0.1, 0.5):
+        times = np.arange(np.ceil(first / step - 1e-6), np.floor(last / step + 1e-6) + 1) * step
+        if len(times) <= most + 1:
+            return times
+    return np.zeros(0)

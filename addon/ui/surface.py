@@ -10,6 +10,8 @@ from ..model.manifold import Manifold
 
 #: Distance between lines and surface, over the object's diagonal.
 LIFT = 0.003
+#: How near to the surface, over LIFT, a line may come between its points, and how often points join for that.
+LOWEST, ROUNDS = 0.4, 5
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,17 @@ class Surface:
         """(m, 3) normals of the triangles, twice as long as their areas; of meshes too that are no surface."""
         a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
         return np.cross(b - a, c - a)
+
+    @cached_property
+    def neighbours(self) -> np.ndarray:
+        """(m, 3) int32 per edge, from corner i to the next: the triangle beyond it; -1 at the border."""
+        starts, ends = self.triangles.ravel().astype(np.int64), np.roll(self.triangles, -1, axis=1).ravel()
+        keys = np.minimum(starts, ends) * len(self.vertices) + np.maximum(starts, ends)
+        order = np.argsort(keys, kind="stable")
+        first = np.flatnonzero(keys[order[1:]] == keys[order[:-1]])
+        beyond = np.full(len(keys), -1, np.int32)
+        beyond[order[first]], beyond[order[first + 1]] = order[first + 1] // 3, order[first] // 3
+        return beyond.reshape(-1, 3)
 
     @cached_property
     def normals(self) -> np.ndarray:
@@ -64,6 +77,30 @@ def lift(points: np.ndarray, surface: Surface, mesh) -> tuple[np.ndarray, np.nda
         return points, np.tile((0.0, 0.0, 1.0), (len(points), 1))
     faces, barycentric, _ = mesh.closest_points(points)
     return lifted(surface, faces, barycentric, np.asarray(mesh.positions(faces, barycentric)))
+
+
+def laid(line: np.ndarray, surface: Surface, mesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A polyline lifted off the surface with what lies between its points too: points and normals (k, 3), and where on
+    the line they are (k,), 1.5 half-way from the second point to the third. Points join where it would sink in."""
+    at = np.arange(len(line), dtype=np.float64)
+    points, normals = lift(line, surface, mesh)
+    for _ in range(ROUNDS if mesh is not None else 0):
+        sunk = np.flatnonzero(_height(0.5 * (points[1:] + points[:-1]), surface, mesh) < LOWEST * LIFT * surface.size)
+        if not len(sunk):
+            break
+        between = 0.5 * (at[sunk] + at[sunk + 1])
+        more, more_normals = lift(0.5 * (points[sunk] + points[sunk + 1]), surface, mesh)
+        at = np.insert(at, sunk + 1, between)
+        points, normals = np.insert(points, sunk + 1, more, axis=0), np.insert(normals, sunk + 1, more_normals, axis=0)
+    return points, normals, at
+
+
+def _height(points: np.ndarray, surface: Surface, mesh) -> np.ndarray:
+    """(k,) mesh units above the nearest points of the surface, negative below it."""
+    faces, barycentric, away = mesh.closest_points(points)
+    towards = points - np.asarray(mesh.positions(faces, barycentric))
+    normals = _evaluate(surface, surface.normals, faces, barycentric)
+    return away * np.sign(np.einsum("kd,kd->k", towards, normals))
 
 
 def _evaluate(surface: Surface, values: np.ndarray, faces: np.ndarray, barycentric: np.ndarray) -> np.ndarray:

@@ -39,19 +39,89 @@ def drawing(obj):
     return element_drawing.drawing_of(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()))
 
 
-def test_lines_never_sink_into_the_surface(merging):
+def sunk(obj, times=(0.3, 0.6)):
+    """The share of lines whose middle lies below the surface, by the name of the element."""
     from stormfield.ui import drawing_cache
 
-    evaluated = merging.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     surface, mesh = drawing_cache.surface_of(evaluated)
-    for shape in drawing(merging).shapes:
-        for ends in (shape.fixed, shape.at(0.3), shape.at(0.6)):
-            middle = ends.mean(axis=1)
-            faces, barycentric, _ = mesh.closest_points(middle) if len(middle) else ((), (), ())
-            for place, face, share in zip(middle, faces, barycentric, strict=True):
-                corners = surface.vertices[surface.triangles[face]]
-                normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-                assert (place - share @ corners) @ normal > 0
+    shares = {}
+    for shape in drawing(obj).shapes:
+        middle = np.concatenate([shape.fixed, shape.ticks, *map(shape.at, times)]).mean(axis=1)
+        faces, barycentric, _ = mesh.closest_points(middle)
+        below = 0
+        for place, face, share in zip(middle, faces, barycentric, strict=True):
+            corners = surface.vertices[surface.triangles[face]]
+            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+            if share.min() < 1e-6:  # on an edge no face decides
+                normal = share @ surface.normals[surface.triangles[face]]
+            below += (place - share @ corners) @ normal <= 0
+        shares[shape.name] = below / len(middle)
+    return shares
+
+
+def test_lines_never_sink_into_the_surface(merging):
+    assert set(sunk(merging).values()) == {0.0}
+
+
+def test_lines_never_sink_into_a_coarse_and_bumpy_mesh(add_curve):
+    bpy.ops.mesh.primitive_monkey_add()
+    monkey = bpy.context.object
+    bpy.ops.stormfield.add_field()
+    for name, start, step in (("brow", (-0.55, -0.75, 0.62), 0.04), ("nose", (-0.1, -1.0, 0.1), 0.02)):
+        places = [monkey.closest_point_on_mesh((start[0] + step * i, *start[1:]))[1][:] for i in range(13)]
+        element = monkey.stormfield.elements.add()
+        element.name, element.source, element.radius = name, add_curve(places, name), 0.19
+    shares = sunk(monkey, np.linspace(0.0, 1.0, 11))
+    assert shares["brow"] == 0.0
+    assert shares["nose"] < 0.01  # its wings fold over what the ring crosses
+
+
+def test_a_ring_goes_round_a_ridge_as_over_a_plane():
+    """On a folded sheet the way from the middle is the same as if it lay flat."""
+    from stormfield import native
+    from stormfield.ui import geodesics
+    from stormfield.ui.surface import Surface
+
+    across, along = np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9), indexing="ij")
+    flat = np.stack([across.ravel(), along.ravel()], axis=1)
+
+    def folded(places):  # by 90° at 0
+        return np.stack([np.minimum(places[:, 0], 0), places[:, 1], np.minimum(-places[:, 0], 0)], axis=1)
+
+    corner = (np.arange(8)[:, None] * 9 + np.arange(8)).ravel()
+    triangles = np.concatenate(
+        [np.stack([corner, corner + 9, corner + 10], 1), np.stack([corner, corner + 10, corner + 1], 1)]
+    ).astype(np.int32)
+    surface = Surface(folded(flat), triangles)
+    mesh = native.TriangleMesh(surface.vertices, surface.triangles)
+    angles = np.linspace(0.0, 2 * np.pi, 40)
+    turns = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    centre = np.array([[-0.21, 0.03]])
+    (face,), _, _ = mesh.closest_points(folded(centre))
+    starts = np.full(40, face), np.repeat(folded(centre), 40, axis=0)
+    reached = geodesics.walk(surface, *starts, np.c_[turns, np.zeros(40)], np.full(40, 0.6))
+    assert np.allclose(reached, folded(centre + 0.6 * turns), atol=1e-9)
+    beyond = geodesics.walk(surface, *starts, np.c_[turns, np.zeros(40)], np.full(40, 9.0))
+    assert np.allclose(np.abs(beyond).max(axis=1), 1.0)  # stopped at the border
+
+
+def test_rings_are_as_smooth_on_a_coarse_ball_as_on_a_fine_one():
+    from stormfield import native
+    from stormfield.readers.icosphere import icosphere
+    from stormfield.ui.element_rings import Rings
+    from stormfield.ui.surface import Surface
+
+    for faces in (80, 20_000):
+        ball = icosphere(faces)
+        on = Surface(ball.vertices, ball.triangles), native.TriangleMesh(ball.vertices, ball.triangles)
+        place = np.array([[0.1, -0.95, 0.3]])
+        ring = Rings(place, place[0], 0.4, [], on).at(0.0)[0]
+        steps = np.diff(ring, axis=0)
+        lengths = np.linalg.norm(steps, axis=1)
+        assert lengths.max() < 1.6 * lengths.min()
+        ahead = steps / lengths[:, None]
+        assert np.einsum("kd,kd->k", ahead[1:], ahead[:-1]).min() > np.cos(np.radians(40))
 
 
 def test_a_ring_has_its_radius_and_follows_the_path(merging):
