@@ -70,11 +70,13 @@ def _selected(self, _context) -> None:
 def _filtered(self, _context) -> None:
     if self.path_from_id().endswith("history"):
         timeline.filter_markers(self.id_data)
+    selection.filters_changed(self.id_data)
 
 
 def _detail_changed(self, _context) -> None:
     if self.history.made:
         timeline.update_markers(self.id_data)
+    selection.filters_changed(self.id_data)
 
 
 @overridable

@@ -91,6 +91,7 @@ class AnalysisDrawing:
     paths: list["PathDrawing"] = field(default_factory=list)
     faces: Faces | None = None
     words: dict[str, str] = field(default_factory=dict)  #: by kind of event: "storms merge", where that holds for all
+    halo: tuple | None = None  #: of the selected entity: for what, and its batch
     counts: dict[str, Counter] = field(default_factory=dict)  #: per list, how many of each kind pass the filters
 
 

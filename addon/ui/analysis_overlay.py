@@ -13,7 +13,7 @@ from .. import compat
 from ..analysis.colours import lam_colours
 from ..scene.read import results
 from ..session import morse_preview
-from . import analysis_drawing, drawing_cache, legend, marker_drawing, markers, view_text
+from . import analysis_drawing, drawing_cache, legend, marker_drawing, markers, polylines, view_text
 from .marker_drawing import Marker
 
 #: Opacity of separatrices and orbits of another λ than the one shown.
@@ -30,16 +30,14 @@ def draw(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types
         return
     unit = context.preferences.system.ui_scale
     current = analysis_drawing.is_current(obj, analysis.ecg)
-    with gpu.matrix.push_pop():
-        gpu.matrix.multiply_matrix(evaluated.matrix_world)
-        if drawing.faces is not None and analysis.show_sets:
-            _draw_faces(context, drawing.faces, analysis.opacity * _mcg_strength(obj), unit)
-        _draw_halo(context, obj, drawing, unit)
-        for role, lines in drawing.lines.items():
-            if _role_shown(analysis, role):
-                strength = 1.0 if current or role == results.PATHS else STALE
-                width = analysis.width * analysis_drawing.WIDTHS[role] * unit
-                _draw_lines(context, lines, width, strength)
+    matrix = evaluated.matrix_world
+    if drawing.faces is not None and analysis.show_sets:
+        _draw_faces(context, matrix, drawing.faces, analysis.opacity * _mcg_strength(obj), unit)
+    _draw_halo(context, matrix, obj, drawing, unit)
+    for role, lines in drawing.lines.items():
+        if _role_shown(analysis, role):
+            strength = 1.0 if current or role == results.PATHS else STALE
+            _draw_lines(context, matrix, lines, analysis.width * analysis_drawing.WIDTHS[role] * unit, strength)
     marks = _marks(obj, drawing)
     marker_drawing.draw(context, evaluated.matrix_world, marks)
 
@@ -56,51 +54,41 @@ def _role_shown(analysis, role: str) -> bool:
     }[role]
 
 
-def _draw_lines(context, lines, width: float, strength: float) -> None:
-    shader = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
+def _draw_lines(context, matrix, lines, width: float, strength: float) -> None:
     if lines.batch is None or lines.batch[0] != strength:
-        colours = lines.colours * (1.0, 1.0, 1.0, strength)
-        lines.batch = (strength, _line_batch(shader, lines.ends, colours))
-    _draw_polyline(context, shader, lines.batch[1], width)
+        lines.batch = (strength, polylines.batch(lines.ends, lines.colours * (1.0, 1.0, 1.0, strength)))
+    polylines.draw(context, matrix, lines.batch[1], width)
 
 
-def _draw_halo(context, obj, drawing, unit: float) -> None:
+def _draw_halo(context, matrix, obj, drawing, unit: float) -> None:
     """White beneath the curves of the selected entity."""
     analysis = obj.stormfield.analysis
-    index = analysis.list(analysis.shown).active
     if analysis.list(analysis.shown).selected() is None:
         return
-    shader = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
-    ends: list[np.ndarray] = []
+    roles = tuple(role for role in drawing.lines if _role_shown(analysis, role))
+    key = (analysis.shown, analysis.list(analysis.shown).active, analysis.show_sets, roles)
+    if drawing.halo is None or drawing.halo[0] != key:
+        ends = _halo(analysis, drawing, roles)
+        white = np.broadcast_to(HALO, (len(ends), 2, 4))
+        drawing.halo = (key, polylines.batch(ends, white) if len(ends) else None)
+    if drawing.halo[1] is not None:
+        polylines.draw(context, matrix, drawing.halo[1], (1.4 * analysis.width + 3.0) * unit)
+
+
+def _halo(analysis, drawing, roles) -> np.ndarray:
+    """(l, 2, 3) the lines of the selected entity."""
+    index = analysis.list(analysis.shown).active
+    ends: list[np.ndarray] = [np.zeros((0, 2, 3))]
     if analysis.shown == "mcg" and drawing.faces is not None and analysis.show_sets:
         faces = drawing.faces
         ends.append(faces.border[(faces.border_sets == index).any(axis=1)])
-    for role, lines in drawing.lines.items():
-        which = "history" if role == results.PATHS else "ecg"
-        if which == analysis.shown and _role_shown(analysis, role):
-            ends.append(lines.of(index))
-    shown = np.concatenate(ends) if ends else np.zeros((0, 2, 3))
-    if len(shown):
-        white = np.broadcast_to(HALO, (len(shown), 2, 4))
-        _draw_polyline(context, shader, _line_batch(shader, shown, white), (1.4 * analysis.width + 3.0) * unit)
+    for role in roles:
+        if analysis.shown == ("history" if role == results.PATHS else "ecg"):
+            ends.append(drawing.lines[role].of(index))
+    return np.concatenate(ends)
 
 
-def _line_batch(shader, ends: np.ndarray, colours: np.ndarray):
-    return batch_for_shader(
-        shader,
-        "LINES",
-        {"pos": ends.reshape(-1, 3).astype(np.float32), "color": colours.reshape(-1, 4).astype(np.float32)},
-    )
-
-
-def _draw_polyline(context, shader, batch, width: float) -> None:
-    shader.bind()
-    shader.uniform_float("viewportSize", (context.region.width, context.region.height))
-    shader.uniform_float("lineWidth", width)
-    batch.draw(shader)
-
-
-def _draw_faces(context, faces, opacity: float, unit: float) -> None:
+def _draw_faces(context, matrix, faces, opacity: float, unit: float) -> None:
     shader = compat.builtin_shader("SMOOTH_COLOR")
     if faces.batch is None or faces.batch[0] != opacity:
         colours = (faces.colours * (1.0, 1.0, 1.0, opacity)).astype(np.float32)
@@ -108,12 +96,13 @@ def _draw_faces(context, faces, opacity: float, unit: float) -> None:
             opacity,
             batch_for_shader(shader, "TRIS", {"pos": faces.corners.astype(np.float32), "color": colours}),
         )
-    faces.batch[1].draw(shader)
-    line = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
+    with gpu.matrix.push_pop():
+        gpu.matrix.multiply_matrix(matrix)
+        faces.batch[1].draw(shader)
     if faces.border_batch is None:
         dark = np.broadcast_to((0.02, 0.02, 0.03, 0.8), (len(faces.border), 2, 4))
-        faces.border_batch = _line_batch(line, faces.border, dark)
-    _draw_polyline(context, line, faces.border_batch, 1.2 * unit)
+        faces.border_batch = polylines.batch(faces.border, dark)
+    polylines.draw(context, matrix, faces.border_batch, 1.2 * unit)
 
 
 # Marks and names ------------------------------------------------------------------------------------------------------
@@ -185,9 +174,9 @@ def legend_blocks(obj: bpy.types.Object, evaluated: bpy.types.Object) -> list[le
     if analysis.history.made and analysis.show_paths:
         events = {kind: drawing.counts["history"][kind] for kind in markers.EVENTS}
         paths = drawing.counts["history"].total() - sum(events.values())
-        ramp = lam_colours(np.linspace(0.0, 1.0, 13))
+        ramp = tuple(map(tuple, lam_colours(np.linspace(0.0, 1.0, 13)).tolist()))
         named = {kind: drawing.words.get(kind, "").capitalize() or markers.NAMES[kind] for kind in markers.EVENTS}
-        rows = [(kind, f"{named[kind]}  {events[kind]}") for kind in markers.EVENTS if events[kind]]
+        rows = tuple((kind, f"{named[kind]}  {events[kind]}") for kind in markers.EVENTS if events[kind])
         blocks.append(legend.Block(f"Over time: {paths} paths", rows, ramp))
     preview = morse_preview.of(obj)
     if preview is not None and analysis.show_sets:
@@ -203,9 +192,9 @@ def _title(obj, what: str, entities) -> str:
     return f"{what}  λ {entities.lam:.3f}{now}"
 
 
-def _rows(counts, suffix: str = "") -> list[tuple[str, str]]:
+def _rows(counts, suffix: str = "") -> tuple[tuple[str, str], ...]:
     """suffix: so that a kind of set is not read as one more fixed point."""
-    return [(kind, f"{name}{suffix}  {counts[kind]}") for kind, name in markers.NAMES.items() if counts.get(kind)]
+    return tuple((kind, f"{name}{suffix}  {counts[kind]}") for kind, name in markers.NAMES.items() if counts.get(kind))
 
 
 def forget() -> None:

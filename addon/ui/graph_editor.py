@@ -37,7 +37,7 @@ _handle = None
 
 
 class RouteItem(bpy.types.PropertyGroup):
-    """A link as it is drawn: between two nodes by name, through a bend where it passes the saddles."""
+    """A link between two entities by name; as it is drawn, through a bend where it passes the saddles."""
 
     source: StringProperty()
     target: StringProperty()
@@ -49,6 +49,8 @@ class PlaceItem(bpy.types.PropertyGroup):
     """An entity with its place in the graph, in the order of the list; its name is that of its node."""
 
     kind: StringProperty()
+    row: StringProperty()
+    shown: BoolProperty(description="Whether the filters of the list let it through")
     place: FloatVectorProperty(size=2)
 
 
@@ -63,7 +65,8 @@ class StormfieldGraph(bpy.types.NodeTree):
     which: StringProperty(description="ecg or mcg")
     title: StringProperty()
     row: FloatProperty(description="Distance of the rows (units of the tree)")
-    routes: CollectionProperty(type=RouteItem)
+    routes: CollectionProperty(type=RouteItem, description="All links")
+    drawn: CollectionProperty(type=RouteItem, description="Those between what is shown")
     places: CollectionProperty(type=PlaceItem)
     whole: BoolProperty(description="Whether nodes are as they were made, and not being made")
 
@@ -145,11 +148,18 @@ def draw_header(self, context):
         self.layout.label(text="No graph yet: Analyze at this Frame, in the Stormfield tab of the 3D view", icon="INFO")
         return
     row = self.layout.row(align=True)
-    for which, text in (("ecg", "ECG"), ("mcg", "MCG")):
+    for which, icon in (("ecg", "FORCE_VORTEX"), ("mcg", "MOD_VERTEX_WEIGHT")):
         if getattr(analysis, f"{which}_tree") is not None:
-            row.prop_enum(analysis, "shown", which, text=text)
-    counted = analysis.list(space.edit_tree.which)
-    self.layout.label(text=f"{space.edit_tree.title} at λ {counted.lam:.3f}: {len(counted.items)} entities")
+            row.prop_enum(analysis, "shown", which, icon=icon)
+    self.layout.label(text=summary(analysis.list(space.edit_tree.which)))
+
+
+def summary(entities) -> str:
+    """How many of a list are shown, at which λ, and how many are hidden."""
+    count = sum(entities.passes(item) for item in entities.items)
+    hidden = len(entities.items) - count
+    more = f", {hidden} hidden" if hidden else ""
+    return f"λ {entities.lam:.3f}: {count} shown{more}"
 
 
 # Links ----------------------------------------------------------------------------------------------------------------
@@ -269,7 +279,7 @@ def draw_links(context: bpy.types.Context, tree: bpy.types.NodeTree) -> None:
     places = np.empty(2 * len(tree.nodes), np.float32)
     tree.nodes.foreach_get("location", places)
     selected = active.name if active is not None and active.select else ""
-    key = (places.tobytes(), selected, len(tree.routes), tree.owner and tree.owner.stormfield.analysis.version)
+    key = (places.tobytes(), selected, len(tree.drawn), tree.owner and tree.owner.stormfield.analysis.version)
     shader = compat.builtin_shader("POLYLINE_SMOOTH_COLOR")
     if _kept.get(tree.session_uid, (None,))[0] != key:
         lines, colours = link_lines(tree)
@@ -299,7 +309,7 @@ def link_lines(tree: bpy.types.NodeTree) -> tuple[np.ndarray, np.ndarray]:
     where = {node.name: np.array((node.location[0] + 0.5 * node.width, node.location[1])) for node in nodes}
     tint: dict[str, np.ndarray] = {node.name: np.array(palette.kind_colour(node.kind)) for node in nodes}
     lines, colours = [], []
-    for route in sorted(tree.routes, key=lambda route: active in (route.source, route.target)):
+    for route in sorted(tree.drawn, key=lambda route: active in (route.source, route.target)):
         if route.source not in where or route.target not in where:
             continue  # the node was deleted
         points = _curve(

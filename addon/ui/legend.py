@@ -4,7 +4,8 @@
 A click folds it. It never covers more than MOST of the view.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import lru_cache
 
 import blf
 import bpy
@@ -13,18 +14,20 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import compat
-from . import markers
+from . import markers, palette
 
 LINE, PAD, WIDTH, GAP = 19.0, 10.0, 168.0, 8.5
 #: Most of the view that it covers.
 MOST = 0.1
+#: Legends that are kept on the GPU.
+KEPT = 8
 
 
-@dataclass
+@dataclass(frozen=True)
 class Block:
     title: str
-    rows: list[tuple[str, str]] = field(default_factory=list)  #: kind and text
-    ramp: np.ndarray | None = None  #: (k, 4) colours from λ = 0 to 1
+    rows: tuple[tuple[str, str], ...] = ()  #: kind and text
+    ramp: tuple[tuple[float, ...], ...] | None = None  #: (k, 4) colours from λ = 0 to 1
 
     @property
     def lines(self) -> int:
@@ -54,6 +57,7 @@ def box_in(region: bpy.types.Region) -> Box | None:
 
 def forget() -> None:
     _drawn.clear()
+    _picture.cache_clear()
 
 
 def layout(blocks: list[Block], region_size: tuple[float, float], unit: float, folded: bool) -> tuple[list[Block], Box]:
@@ -78,55 +82,70 @@ def draw(context: bpy.types.Context, blocks: list[Block], folded: bool) -> None:
     left = region.width - (sidebar if overlap else 0) - size.width - 14 * unit
     box = Box(left, 14 * unit, size.width, size.height)
     _drawn[region.as_pointer()] = box
+    picture = _picture(box, tuple(shown), unit, folded or len(shown) < len(blocks), palette.name())
     gpu.state.blend_set("ALPHA")
+    picture.fills.draw(compat.builtin_shader("SMOOTH_COLOR"))
+    blf.size(0, 12.0 * unit)
+    for word in picture.words:
+        blf.color(0, word.light, word.light, word.light, 1.0)
+        blf.position(0, word.x, word.y, 0.0)
+        blf.draw(0, word.text)
+
+
+@dataclass(frozen=True)
+class _Word:
+    text: str
+    x: float
+    y: float
+    light: float
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """What a legend is drawn from: one batch of coloured triangles, and words."""
+
+    fills: object
+    words: list[_Word]
+
+
+@lru_cache(maxsize=KEPT)
+def _picture(box: Box, shown: tuple[Block, ...], unit: float, folded: bool, _palette: str) -> _Picture:
+    """The blocks inside their box."""
     right, top = box.left + box.width, box.bottom + box.height
     corners = [(box.left, box.bottom), (right, box.bottom), (right, top), (box.left, top)]
-    _fill([corners[i] for i in (0, 1, 2, 0, 2, 3)], [(0.08, 0.08, 0.09, 0.72)] * 6)
-    left += PAD * unit
+    fills = [(np.array([corners[i] for i in (0, 1, 2, 0, 2, 3)]), np.array([(0.08, 0.08, 0.09, 0.72)] * 6))]
+    words = []
+    left = box.left + PAD * unit
     y = top - (PAD + 11) * unit
-    _fold_sign(right - (PAD + 6) * unit, y + 4.5 * unit, unit, folded or len(shown) < len(blocks))
+    fills.append(_fold_sign(right - (PAD + 6) * unit, y + 4.5 * unit, unit, folded))
     for block in shown:
-        _write(block.title, left, y, unit, 1.0)
+        words.append(_Word(block.title, left, y, 1.0))
         for kind, text in block.rows:
             y -= LINE * unit
             flat, colours = markers.triangles(kind)
-            _fill(flat * 6 * unit + (left + 7 * unit, y + 4.5 * unit), colours)
-            _write(text, left + 22 * unit, y, unit, 0.92)
+            fills.append((flat * 6 * unit + (left + 7 * unit, y + 4.5 * unit), colours))
+            words.append(_Word(text, left + 22 * unit, y, 0.92))
         if block.ramp is not None:
             y -= LINE * unit
-            _ramp(block.ramp, left, y, unit)
+            fills.append(_ramp(np.array(block.ramp), left, y, unit))
+            words += [_Word("λ 0", left, y, 0.92), _Word("1", left + (WIDTH - 2 * PAD - 8) * unit, y, 0.92)]
         y -= LINE * unit + GAP * unit
+    flat, colours = (np.concatenate(parts) for parts in zip(*fills, strict=True))
+    content = {"pos": np.c_[flat, np.zeros(len(flat))].astype(np.float32), "color": colours.astype(np.float32)}
+    return _Picture(batch_for_shader(compat.builtin_shader("SMOOTH_COLOR"), "TRIS", content), words)
 
 
-def _fold_sign(x: float, y: float, unit: float, folded: bool) -> None:
+def _fold_sign(x: float, y: float, unit: float, folded: bool) -> tuple[np.ndarray, np.ndarray]:
     """A triangle as in Blender's panels: to the left while folded, downwards while open."""
     shape = np.array([(3.0, 4.0), (3.0, -4.0), (-4.0, 0.0)] if folded else [(-4.0, 3.0), (4.0, 3.0), (0.0, -4.0)])
-    _fill(shape * unit + (x, y), [(0.85, 0.85, 0.85, 1.0)] * 3)
+    return shape * unit + (x, y), np.array([(0.85, 0.85, 0.85, 1.0)] * 3)
 
 
-def _ramp(colours: np.ndarray, left: float, y: float, unit: float) -> None:
-    _write("λ 0", left, y, unit, 0.92)
-    _write("1", left + (WIDTH - 2 * PAD - 8) * unit, y, unit, 0.92)
+def _ramp(colours: np.ndarray, left: float, y: float, unit: float) -> tuple[np.ndarray, np.ndarray]:
     edges = np.linspace(left + 30 * unit, left + (WIDTH - 2 * PAD - 16) * unit, len(colours))
     corners, tints = [], []
     for i in range(len(colours) - 1):
         box = [(edges[i + a], y + b * unit) for a, b in ((0, 0), (1, 0), (1, 9), (0, 9))]
         corners += [box[k] for k in (0, 1, 2, 0, 2, 3)]
         tints += [colours[i + k] for k in (0, 1, 1, 0, 1, 0)]
-    _fill(corners, tints)
-
-
-def _fill(corners, colours) -> None:
-    shader = compat.builtin_shader("SMOOTH_COLOR")
-    flat = np.asarray(corners, np.float32).reshape(-1, 2)
-    positions = np.c_[flat, np.zeros(len(flat), np.float32)]
-    batch_for_shader(
-        shader, "TRIS", {"pos": positions.astype(np.float32), "color": np.asarray(colours, np.float32)}
-    ).draw(shader)
-
-
-def _write(text: str, x: float, y: float, unit: float, light: float) -> None:
-    blf.size(0, 12.0 * unit)
-    blf.color(0, light, light, light, 1.0)
-    blf.position(0, x, y, 0.0)
-    blf.draw(0, text)
+    return np.array(corners), np.array(tints)

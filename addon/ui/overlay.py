@@ -44,6 +44,7 @@ def forget() -> None:
     motion.forget()
     legend.forget()
     marker_drawing.forget()
+    view_text.forget()
 
 
 def register() -> None:
@@ -165,7 +166,7 @@ def _write_above(context, evaluated, text: str) -> None:
     unit, region = context.preferences.system.ui_scale, context.region
     x = float(np.clip(np.nanmin(places[:, 0]), 60 * unit, max(region.width - 420 * unit, 60 * unit)))
     y = float(np.clip(np.nanmax(places[:, 1]) + 12 * unit, 60 * unit, region.height - 90 * unit))
-    view_text.write(text, x, y, unit)
+    view_text.write([view_text.Word(text, x, y)], unit)
 
 
 def _field_block(obj, evaluated) -> list[legend.Block]:
@@ -174,8 +175,8 @@ def _field_block(obj, evaluated) -> list[legend.Block]:
         return []
     look = obj.stormfield.look
     counts = Counter(kind for kind, _position in drawing.points)
-    rows = [(kind, f"{name}  {counts[kind]}") for kind, name in markers.NAMES.items() if counts[kind]]
+    rows = tuple((kind, f"{name}  {counts[kind]}") for kind, name in markers.NAMES.items() if counts[kind])
     if not look.show_fixed_points or drawing.note:
-        rows = []
+        rows = ()
     label = "Advection" if look.shown_field == "sf_advection" else "Orientation"
     return [legend.Block(f"{label}  λ {obj.stormfield.lam:.3f}", rows)]

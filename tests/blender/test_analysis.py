@@ -354,3 +354,28 @@ def test_nodes_of_a_graph_are_wide_enough_for_the_longest_name():
     assert entity_nodes.width_for(["A1", "Spiral Out.001"]) > entity_nodes.width_for(["A1", "Spiral Out"]) > 100
     assert entity_nodes.width_for(["long " * 40]) == entity_nodes.WIDEST
     assert entity_nodes.width_for([]) == entity_nodes.WIDTH
+
+
+def test_graph_list_marks_and_legend_show_the_same(rings, native):
+    """Weak orbits stayed in the graph when Detail had taken them out of list and view."""
+    from stormfield.ui import analysis_drawing, graph_editor
+
+    bpy.ops.stormfield.analyze()
+    analysis = rings.stormfield.analysis
+    analysis.ecg.items[1].weight = 0.5  # as of an orbit below the accuracy
+    counts = set()
+    for detail in (1.0, 0.5, 0.0):
+        analysis.detail = detail
+        listed = [item.name for item in analysis.ecg.items if analysis.ecg.passes(item)]
+        counts.add(len(listed))
+        assert sorted(node.name for node in analysis.ecg_tree.nodes) == sorted(listed)
+        bpy.context.view_layer.update()
+        drawing = analysis_drawing.drawing_of(rings.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+        assert [mark.name for mark in drawing.entities] == listed
+        assert drawing.counts["ecg"].total() == len(listed)
+        assert f"{len(listed)} shown" in graph_editor.summary(analysis.ecg)
+        ends = {end for route in analysis.ecg_tree.drawn for end in (route.source, route.target)}
+        assert ends <= set(listed)
+    assert len(counts) > 1
+    analysis.ecg.kinds = {"SADDLE"}
+    assert all(node.kind == "saddle" for node in analysis.ecg_tree.nodes)

@@ -342,7 +342,7 @@ def test_a_storm_is_a_storm_whether_it_draws_in_or_pushes_out_a_little(ball, sho
 def test_the_legend_never_covers_more_than_a_tenth_of_the_view():
     from stormfield.ui import legend
 
-    blocks = [legend.Block("Advection", [("source", "Source  1")] * 4), legend.Block("Topology", [("sink", "x")] * 5)]
+    blocks = [legend.Block("Advection", (("source", "Source  1"),) * 4), legend.Block("Topology", (("sink", "x"),) * 5)]
     everything, _ = legend.layout(blocks, (1600.0, 1000.0), 1.0, folded=False)
     assert everything == blocks
     for size in ((1600.0, 1000.0), (800.0, 500.0), (500.0, 300.0), (300.0, 200.0), (100.0, 100.0)):

@@ -37,6 +37,16 @@ def list_changed(obj: bpy.types.Object, which: str) -> None:
     redraw()
 
 
+def filters_changed(obj: bpy.types.Object) -> None:
+    """What the lists show has changed: let graphs and views follow."""
+    for which in ("ecg", "mcg"):
+        tree = entity_nodes.tree_of(obj, which)
+        if tree is not None:
+            entity_nodes.follow_filters(tree)
+            entity_nodes.select_node(tree, obj.stormfield.analysis.list(which).active)
+    redraw()
+
+
 def follow_graph(obj: bpy.types.Object, which: str) -> bool:
     """Take the graph's active node over into the list; whether that changed anything. The rest stays selected."""
     tree = entity_nodes.tree_of(obj, which)
