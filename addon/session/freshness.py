@@ -33,8 +33,8 @@ class _Known:
     looked: tuple[int, float] = (-1, 0.0)  #: when settings were read: count of changes, seconds
 
 
-#: Seconds between two looks at settings while Blender reports no change.
-PAUSE = 0.25
+#: Seconds between two looks at settings while Blender reports no change: a window draws often.
+PAUSE = 0.0 if bpy.app.background else 0.25
 
 _known: dict[int, _Known] = {}
 _changes = 0
@@ -108,10 +108,10 @@ def _mesh_version(mesh: bpy.types.Mesh) -> tuple:
 
 
 def _settings(obj: bpy.types.Object) -> tuple:
-    """What scripts may set without Blender's knowledge: in a window, which draws often, looked at after each PAUSE."""
+    """What scripts may set without Blender's knowledge: looked at after each PAUSE."""
     known = _known.setdefault(obj.session_uid, _Known())
     now = time.monotonic()
-    if bpy.app.background or known.looked[0] != _changes or now - known.looked[1] > PAUSE:
+    if known.looked[0] != _changes or now - known.looked[1] >= PAUSE:
         known.looked, known.settings = (_changes, now), _read_settings(obj)
     return known.settings
 

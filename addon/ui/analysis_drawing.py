@@ -88,11 +88,18 @@ class AnalysisDrawing:
     lines: dict[str, Lines] = field(default_factory=dict)
     marks: list[Mark] = field(default_factory=list)  #: of events and sets; fixed points are marked by the field itself
     entities: list[Mark] = field(default_factory=list)  #: of the graph at its λ
-    paths: list["PathDrawing"] = field(default_factory=list)
+    paths: list[PathDrawing] = field(default_factory=list)
     faces: Faces | None = None
     words: dict[str, str] = field(default_factory=dict)  #: by kind of event: "storms merge", where that holds for all
+    _at: tuple[float, list[Mark]] | None = None
     halo: tuple | None = None  #: of the selected entity: for what, and its batch
     counts: dict[str, Counter] = field(default_factory=dict)  #: per list, how many of each kind pass the filters
+
+    def path_marks(self, lam: float) -> list[Mark]:
+        """The fixed points of the paths that live at λ."""
+        if self._at is None or self._at[0] != lam:
+            self._at = (lam, [mark for path in self.paths if (mark := path.mark(lam)) is not None])
+        return self._at[1]
 
 
 _drawings: dict[int, tuple[tuple, Surface, AnalysisDrawing]] = {}

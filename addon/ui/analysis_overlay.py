@@ -21,6 +21,8 @@ STALE = 0.22
 #: Kinds that no fixed point's own marker stands for.
 UNMARKED = frozenset({"repelling", "attracting", "trivial", "other"})
 HALO = (1.0, 1.0, 1.0, 0.95)
+#: Colours of the legend from λ = 0 to 1.
+RAMP = tuple(map(tuple, lam_colours(np.linspace(0.0, 1.0, 13)).tolist()))
 
 
 def draw(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types.Object) -> None:
@@ -113,7 +115,7 @@ def visible_marks(obj: bpy.types.Object, drawing) -> list:
     analysis = obj.stormfield.analysis
     marks = [mark for mark in drawing.marks if mark.which == "history" and analysis.show_paths]
     if analysis.shown == "history" and analysis.show_paths:
-        marks += [mark for path in drawing.paths if (mark := path.mark(obj.stormfield.lam)) is not None]
+        marks += drawing.path_marks(obj.stormfield.lam)
     if analysis.show_sets and analysis.shown == "mcg":
         marks += [mark for mark in drawing.marks if mark.which == "mcg"]
     if analysis_drawing.is_current(obj, analysis.ecg) and analysis.shown == "ecg":
@@ -174,10 +176,9 @@ def legend_blocks(obj: bpy.types.Object, evaluated: bpy.types.Object) -> list[le
     if analysis.history.made and analysis.show_paths:
         events = {kind: drawing.counts["history"][kind] for kind in markers.EVENTS}
         paths = drawing.counts["history"].total() - sum(events.values())
-        ramp = tuple(map(tuple, lam_colours(np.linspace(0.0, 1.0, 13)).tolist()))
         named = {kind: drawing.words.get(kind, "").capitalize() or markers.NAMES[kind] for kind in markers.EVENTS}
         rows = tuple((kind, f"{named[kind]}  {events[kind]}") for kind in markers.EVENTS if events[kind])
-        blocks.append(legend.Block(f"Over time: {paths} paths", rows, ramp))
+        blocks.append(legend.Block(f"Over time: {paths} paths", rows, RAMP))
     preview = morse_preview.of(obj)
     if preview is not None and analysis.show_sets:
         counts = {kind: preview.kinds.count(kind) for kind in markers.NAMES}

