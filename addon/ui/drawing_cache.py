@@ -40,7 +40,6 @@ class Drawing:
 @dataclass
 class _Entry:
     shape: tuple = (-1, None, None)  #: what `surface` was made from: polygons, positions, corners
-    shared: tuple = ()  #: the same, where the evaluated mesh has it in common with the object's own
     shape_number: int = 0  #: counts shapes
     surface: Surface = EMPTY
     mesh: object = None  #: native TriangleMesh, or None where the evaluated mesh is no surface
@@ -55,13 +54,11 @@ class _Entry:
 
 _entries: dict[int, _Entry] = {}
 _generations: dict[int, int] = {}
-_meshes: dict[int, int] = {}  #: how often each mesh was changed, by its session uid
 
 
 def forget() -> None:
     _entries.clear()
     _generations.clear()
-    _meshes.clear()
 
 
 def mark_changed(depsgraph: bpy.types.Depsgraph) -> None:
@@ -69,9 +66,6 @@ def mark_changed(depsgraph: bpy.types.Depsgraph) -> None:
         if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
             uid = update.id.original.session_uid
             _generations[uid] = _generations.get(uid, 0) + 1
-        elif update.is_updated_geometry and isinstance(update.id, bpy.types.Mesh):
-            uid = update.id.original.session_uid
-            _meshes[uid] = _meshes.get(uid, 0) + 1
 
 
 def drawing_of(evaluated: bpy.types.Object) -> Drawing | None:
@@ -116,10 +110,8 @@ def surface_of(evaluated: bpy.types.Object):
     frame = bpy.context.scene.frame_current_final  # modifiers may move the mesh with it
     generation = (_generations.get(evaluated.original.session_uid, 0), len(evaluated.data.vertices), frame)
     if entry.compared != generation:
-        shared = _shared_shape(evaluated)
-        if not shared or shared != entry.shared:
-            _update_surface(entry, evaluated.data)
-        entry.compared, entry.shared = generation, shared
+        _update_surface(entry, evaluated.data)
+        entry.compared = generation
     return entry.surface, entry.mesh
 
 
@@ -140,23 +132,6 @@ def _starting_tau(entry: _Entry, method: MorseMethod) -> float | None:
         return None
 
 
-def _shared_shape(evaluated: bpy.types.Object) -> tuple:
-    """What tells the shape of an evaluated mesh without looking at it: where it lies in memory, while it is the mesh of
-    the object itself that lies there, unchanged. Empty where modifiers have made one."""
-    made, own = evaluated.data, evaluated.original.data
-    if own.is_editmode:
-        return ()
-    places = [_place(mesh, name) for mesh in (made, own) for name in ("position", ".corner_vert")]
-    if not all(places) or places[:2] != places[2:]:
-        return ()
-    return (own.session_uid, _meshes.get(own.session_uid, 0), len(made.polygons), len(made.loops), *places[:2])
-
-
-def _place(mesh: bpy.types.Mesh, name: str) -> int:
-    attribute = mesh.attributes.get(name)
-    return attribute.data[0].as_pointer() if attribute is not None and len(attribute.data) else 0
-
-
 def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:
     """Keep the surface while the evaluated mesh has the same shape: only its attributes follow λ."""
     vertices = np.empty(len(mesh.vertices) * 3, np.float32)
@@ -164,7 +139,7 @@ def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.attributes[".corner_vert"].data.foreach_get("value", corners)
     shape = (len(mesh.polygons), vertices, corners)
-    if all(np.array_equal(old, new) for old, new in zip(entry.shape, shape, strict=True)):
+    if all(_same(old, new) for old, new in zip(entry.shape, shape, strict=True)):
         return
     triangles, _loops = loop_triangles(mesh)
     entry.shape, entry.views, entry.mesh, entry.note = shape, {}, None, ""
@@ -176,6 +151,13 @@ def _update_surface(entry: _Entry, mesh: bpy.types.Mesh) -> None:
         entry.note = f"Fixed points cannot be shown: {fault}"
     parts = None if entry.mesh is None else entry.mesh.components[entry.surface.triangles[:, 0]]
     entry.seeds = SeedLevels(entry.surface, parts)
+
+
+def _same(old, new) -> bool:
+    """Bit for bit, eight bytes at a time where that is possible: this is asked at every λ."""
+    if isinstance(old, np.ndarray) and old.nbytes == new.nbytes and old.nbytes % 8 == 0:
+        old, new = old.view(np.int64), new.view(np.int64)
+    return np.array_equal(old, new)
 
 
 def _native_surface(surface: Surface):

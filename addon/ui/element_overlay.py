@@ -9,7 +9,7 @@ import numpy as np
 
 from ..scene.read.active_field import active_field
 from . import element_drawing, marker_drawing, palette, polylines, view_text
-from .element_drawing import ElementsDrawing, Shape
+from .element_drawing import Shape
 from .marker_drawing import Marker
 
 #: Widths in pixels at 100 % interface scale: of lines, of the selected element's, and of the rim around both.
@@ -53,10 +53,12 @@ def draw(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types
     staying = (drawing.version, chosen)
     if kept.staying != staying:
         kept.staying = staying
-        kept.fixed = _make(drawing, chosen, lambda shape: _staying(shape, shape.index in chosen))
-    moving = (*staying, lam if any(shape.moves for shape in drawing.shapes) else 0.0)
+        kept.fixed = _make(drawing.shapes, chosen, lambda shape: _staying(shape, shape.index in chosen))
+    ringed = [shape for shape in drawing.shapes if shape.rings is not None]  # while it lives
+    moving = (*staying, lam if ringed else 0.0)
     if kept.moving != moving:
-        kept.moving, kept.rings = moving, _make(drawing, chosen, lambda shape: shape.at(lam))
+        kept.moving = moving
+        kept.rings = _make(ringed, chosen, lambda shape: shape.at(lam))
     unit = context.preferences.system.ui_scale
     for made in (*kept.fixed, *kept.rings):
         polylines.draw(context, evaluated.matrix_world, made.rims, (made.width + RIM) * unit)
@@ -82,10 +84,10 @@ def _staying(shape: Shape, chosen: bool) -> np.ndarray:
     return np.concatenate([shape.fixed, shape.ticks]) if chosen else shape.fixed
 
 
-def _make(drawing: ElementsDrawing, chosen: frozenset[int], ends_of: Callable[[Shape], np.ndarray]) -> list[_Lines]:
+def _make(drawn: list[Shape], chosen: frozenset[int], ends_of: Callable[[Shape], np.ndarray]) -> list[_Lines]:
     made = []
     for is_chosen, width, rim in ((False, WIDTH, DARK), (True, SELECTED, HALO)):
-        shapes = [shape for shape in drawing.shapes if (shape.index in chosen) == is_chosen]
+        shapes = [shape for shape in drawn if (shape.index in chosen) == is_chosen]
         ends = [ends_of(shape) for shape in shapes]
         if not sum(map(len, ends)):
             continue
