@@ -56,7 +56,7 @@ def why_not_cancel(obj: bpy.types.Object) -> str:
         return reason
     chosen = picked(obj)
     if not chosen:
-        return "Select one entity in list, graph or view, or two in the graph"
+        return "Select one entity in list, graph or view, or two with Shift in graph or view"
     if len(chosen) > 2:
         return f"{len(chosen)} entities are selected; select one, or the two that shall vanish together"
     items = [obj.stormfield.analysis.ecg.items[index] for index in chosen]

@@ -124,12 +124,12 @@ class STORMFIELD_OT_move_point(EditOperator, bpy.types.Operator):
         if spot is not None:
             self._spot = spot
             self._trial.aim(spot)
-            self._show(obj)
+            self._show_ghost(obj)
 
     def _follow(self, context, obj):
         try:
             if self._trial.poll():
-                self._show(obj)
+                self._show_ghost(obj)
         except InputError as fault:
             self._end_drag(context)
             return report_fault(self, fault)
@@ -137,7 +137,7 @@ class STORMFIELD_OT_move_point(EditOperator, bpy.types.Operator):
         context.workspace.status_text_set(f"{tried.reason}      {HELP}" if tried and tried.reason else HELP)
         return {"RUNNING_MODAL"}
 
-    def _show(self, obj) -> None:
+    def _show_ghost(self, obj) -> None:
         """The ghost of the last place that was tried, and the dot under the pointer."""
         tried = self._trial.result
         if tried is None:

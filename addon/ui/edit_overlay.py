@@ -37,7 +37,8 @@ def draw(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types
             _draw_block(context, evaluated, surface, ghost.faces, colour, unit)
         if ghost.place is not None:
             place = lift(ghost.place[None], surface, mesh)[0][0]
-            marks += [Marker(ghost.kind, place, 1.1), Marker("glow" if ghost.allowed else "ring", place)]
+            around = {True: "glow", False: "cross", None: "ring"}[ghost.allowed]
+            marks += [Marker(ghost.kind, place, 1.1), Marker(around, place)]
     elif obj.stormfield.analysis.show:
         marks += _previewed(context, obj, evaluated, surface, mesh, unit)
     marker_drawing.draw(context, evaluated.matrix_world, marks)

@@ -112,6 +112,15 @@ def test_places_are_tried_while_a_point_is_dragged(pair):
     trial.close()
 
 
+def test_dragging_replaces_no_method_of_long_work_by_chance():
+    """What it adds between a press and the release has names of its own: the job that follows uses the others."""
+    from stormfield.operators.edit_move import STORMFIELD_OT_move_point
+    from stormfield.operators.job_operator import JobOperator
+
+    own = {name for name, value in vars(STORMFIELD_OT_move_point).items() if callable(value)}
+    assert own & set(dir(JobOperator)) <= {"why_not", "start", "invoke", "modal", "cancel", "__module__", "__doc__"}
+
+
 def test_a_drag_shows_a_ghost_and_gives_back_what_was(pair):
     from stormfield.session import edit_ghost
     from stormfield.session.edit_ghost import Ghost
