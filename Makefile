@@ -19,6 +19,11 @@ export CCACHE_NOHASHDIR := 1
 extra = $$(python3 -c "import re; \
   print(*re.findall(r'\"([^\"]+)\"', re.search(r'^$(1) = \[(.*)\]', open('pyproject.toml').read(), re.M).group(1)))")
 ENVIRONMENTS = $(shell scripts/environments.sh list)
+# Where scripts/build_tools.sh puts a CMake that is new enough, if the system's is not.
+export PATH := $(CURDIR)/build/tools/bin:$(PATH)
+# Clang is for tests alone, and not every release has the one that they use.
+CLANG := clang-19
+HAS_CLANG = $(shell command -v clang++-19 || apt-cache search --names-only '^$(CLANG)$$' 2>/dev/null)
 
 core_sources := $(shell find native cmake CMakeLists.txt CMakePresets.json -type f)
 addon_sources := $(shell find addon -type f -not -path '*/__pycache__/*')
@@ -31,15 +36,19 @@ build/.packages: scripts/debian_packages.sh
 	@scripts/debian_packages.sh
 	@touch $@
 
+build/.tools: build/.packages scripts/build_tools.sh CMakeLists.txt
+	@scripts/build_tools.sh
+	@touch $@
+
 build/.packages-clang: build/.packages
-	@scripts/debian_packages.sh clang-19
+	@scripts/debian_packages.sh $(CLANG)
 	@touch $@
 
 build/.environments: build/.packages scripts/environments.sh pyproject.toml
 	@scripts/environments.sh create >/dev/null
 	@touch $@
 
-build/.core: build/.packages $(core_sources)
+build/.core: build/.tools $(core_sources)
 	@scripts/step.sh configure "looking for compiler and libraries" cmake --preset release
 	@scripts/step.sh --live core "compiling the core: about four minutes on two cores the first time" \
 	  cmake --build --preset release -j $(JOBS) --target core
@@ -69,12 +78,13 @@ test: lint test-native test-python test-zip docs
 
 # As they ship, as they ship on a processor without AVX2, compiled by Clang, and under the address and undefined behaviour
 # sanitizers; ccache shares what the first two have in common.
-NATIVE_BUILDS := release baseline clang asan
+NATIVE_BUILDS = release baseline $(if $(HAS_CLANG),clang) asan
 test-native: $(addprefix test-native-,$(NATIVE_BUILDS)) test-results test-odr
+	@$(if $(HAS_CLANG),,echo "$(CLANG) is not among this system's packages: the build by Clang was left out")
 
 test-native-clang: build/.packages-clang
 
-test-native-%: build/.packages
+test-native-%: build/.tools
 	cmake --preset $*
 	cmake --build --preset $* -j $(JOBS)
 	ctest --preset $* -j $(JOBS)
@@ -86,16 +96,16 @@ test-results: $(addprefix test-native-,$(NATIVE_BUILDS))
 	  diff build/release/results.txt build/$$build/results.txt || { echo "$$build gives other results than release"; exit 1; }; \
 	done; echo "the same results: $(NATIVE_BUILDS)"
 
-test-odr: build/.packages
+test-odr: build/.tools
 	cmake --preset odr
 	cmake --build --preset odr -j $(JOBS)
 
 # Debian's oneTBB is not instrumented, and nearly every test would drown in false reports.
-test-threads: build/.packages
+test-threads: build/.tools
 	scripts/build_onetbb.sh thread build/onetbb/thread
 	$(MAKE) --no-print-directory test-native-tsan
 
-test-long: build/.packages
+test-long: build/.tools
 	cmake --preset release
 	cmake --build --preset release -j $(JOBS)
 	@set -e; for program in build/release/tests/native/test_*; do \

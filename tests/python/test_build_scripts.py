@@ -120,3 +120,71 @@ def test_a_step_that_fails_shows_the_end_of_its_log(project):
     assert done.returncode == 3
     lines = done.stderr.splitlines()
     assert lines[0] == "61" and lines[-3:] == ["100", "The whole log is build/walk.log", "failed: walking: a minute"]
+
+
+@pytest.fixture
+def tools(project):
+    """A project without CMake and Ninja, with a python3 whose pip brings them at version 4.0."""
+    shutil.copy(ROOT / "scripts" / "build_tools.sh", project / "scripts")
+    shutil.copy(ROOT / "CMakeLists.txt", project)
+    for tool in ("head", "sort", "chmod"):
+        (project / "bin" / tool).symlink_to(shutil.which(tool))
+    program(
+        project / "bin" / "python3",
+        """case "$*" in
+*"-m venv"*) mkdir -p "$3/bin"; cp "$0" "$3/bin/python";;
+*"-m pip"*) echo "$*" >> "$NOTES"; [ -z "$OFFLINE" ] || exit 1
+  for name in cmake ctest ninja; do
+    echo "#!/bin/sh
+echo cmake version 4.0.1" > "${0%/*}/$name"; chmod +x "${0%/*}/$name"
+  done;;
+esac""",
+    )
+
+    def run(**variables):
+        notes = project / "notes"
+        done = subprocess.run(
+            [project / "scripts" / "build_tools.sh"],
+            env={"PATH": str(project / "bin"), "NOTES": str(notes), **variables},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        return done, notes.read_text() if notes.exists() else ""
+
+    return run
+
+
+def cmake(project, number):
+    for name in ("cmake", "ninja"):
+        program(project / "bin" / name, f"echo cmake version {number}")
+
+
+@pytest.mark.parametrize("number", ["3.22.1", "3.9.6", None])
+def test_a_cmake_that_is_too_old_or_missing_is_replaced(project, tools, number):
+    """Ubuntu 22.04 has 3.22; the Makefile puts the new one first on PATH."""
+    if number:
+        cmake(project, number)
+    done, notes = tools()
+    assert done.returncode == 0, done.stderr
+    assert "CMake and Ninja come into build/tools" in done.stdout and "cmake>=3.25 ninja" in notes
+    found = sorted(path.name for path in (project / "build" / "tools" / "bin").iterdir())
+    assert found == ["cmake", "ctest", "ninja"]  # no python3, which would be taken for the system's
+    path = f"{project}/build/tools/bin:{project}/bin"
+    said = subprocess.run(["cmake", "--version"], env={"PATH": path}, capture_output=True, text=True, check=True).stdout
+    assert said == "cmake version 4.0.1\n"
+    assert "export PATH := $(CURDIR)/build/tools/bin:$(PATH)" in (ROOT / "Makefile").read_text()
+    assert tools()[1] == notes, "brought twice"
+
+
+@pytest.mark.parametrize("number", ["3.25.0", "3.31.6", "4.2.0"])
+def test_a_cmake_that_is_new_enough_is_kept(project, tools, number):
+    cmake(project, number)
+    done, notes = tools()
+    assert (done.returncode, done.stdout, notes) == (0, "", "")
+
+
+def test_without_a_network_the_message_says_what_to_install(project, tools):
+    done, _ = tools(OFFLINE="yes")
+    assert done.returncode == 1
+    assert "Please install CMake 3.25 or newer and Ninja, and make again." in done.stderr
