@@ -54,8 +54,10 @@ build/.core: build/.tools $(core_sources)
 	  cmake --build --preset release -j $(JOBS) --target core
 	@touch $@
 
-# The core is compiled once, for its tests too; only the bindings are compiled for each Python.
-build/.installed: build/.core build/.environments $(addon_sources) pyproject.toml README.md
+# The core is compiled once, for its tests too; only the bindings are compiled for each Python. Compiling and
+# downloading do not wait for each other.
+build/.installed: build/.tools $(core_sources) scripts/environments.sh $(addon_sources) pyproject.toml README.md
+	@$(MAKE) --no-print-directory -j 2 build/.core build/.environments
 	@set -e; for environment in $(ENVIRONMENTS); do \
 	  scripts/step.sh install$$environment "compiling Stormfield's Python module for $$environment: half a minute" \
 	  $$environment/bin/python -m pip install --no-deps --no-build-isolation --force-reinstall \

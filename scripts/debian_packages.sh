@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 build=(
   build-essential cmake ninja-build ccache python3 python3-venv python3-dev
-  libeigen3-dev libtbb-dev libgtest-dev libbenchmark-dev ffmpeg
+  libeigen3-dev libtbb-dev libgtest-dev libbenchmark-dev
   # what Blender as a Python module loads
   libx11-6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1 libegl1
 )

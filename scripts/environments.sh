@@ -66,14 +66,12 @@ if [ ${#found[@]} -eq 0 ]; then
   exit 1
 fi
 
-for entry in "${found[@]}"; do
-  read -r folder blender command <<<"$entry"
-  if [ "${1:-list}" = create ]; then
-    stamp=$folder/.stormfield
-    wanted=$(sha256sum pyproject.toml scripts/environments.sh | sha256sum)
-    if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ]; then
-      [ -x "$folder/bin/python" ] || "$command" -m venv "$folder"
-      "$folder/bin/python" - "$folder" <<'PYTHON'
+wanted=$(sha256sum pyproject.toml scripts/environments.sh | sha256sum)
+
+install() {  # $1 folder, $2 Blender, $3 interpreter; what Python compiles it compiles when it is first imported
+  local folder=$1 blender=$2 command=$3
+  [ -x "$folder/bin/python" ] || "$command" -m venv "$folder"
+  "$folder/bin/python" - "$folder" <<'PYTHON'
 import pathlib, sys, tomllib
 project = tomllib.load(open("pyproject.toml", "rb"))
 extras = project["project"]["optional-dependencies"]
@@ -82,13 +80,22 @@ needed = project["build-system"]["requires"] + project["project"]["dependencies"
 (folder / "requirements.txt").write_text("\n".join([*needed, "fsspec", "packaging"]))
 (folder / "requirements-blender.txt").write_text("\n".join(extras["blender"]))
 PYTHON
-      scripts/step.sh "environment$folder" \
-        "installing Blender $blender and the Python packages into $folder: 900 MB, a few minutes the first time" \
-        "$folder/bin/python" -m pip install "bpy==$blender.*" ninja -r "$folder/requirements.txt" >&2
-      # Without a look at what they ask for: pyfive wants a newer NumPy than that of Blender 4.5, and works with it.
-      "$folder/bin/python" -m pip install --quiet --no-deps -r "$folder/requirements-blender.txt" >&2
-      echo "$wanted" >"$stamp"
-    fi
-  fi
-  echo "$folder"
-done
+  scripts/step.sh "environment$folder" \
+    "installing Blender $blender and the Python packages into $folder: 900 MB, a few minutes the first time" \
+    "$folder/bin/python" -m pip install --no-compile "bpy==$blender.*" ninja -r "$folder/requirements.txt"
+  # Without a look at what they ask for: pyfive wants a newer NumPy than that of Blender 4.5, and works with it.
+  "$folder/bin/python" -m pip install --quiet --no-compile --no-deps -r "$folder/requirements-blender.txt"
+  echo "$wanted" >"$folder/.stormfield"
+}
+
+if [ "${1:-list}" = create ]; then
+  jobs=() failed=false
+  for entry in "${found[@]}"; do
+    read -r folder blender command <<<"$entry"
+    [ "$(cat "$folder/.stormfield" 2>/dev/null)" = "$wanted" ] && continue
+    (install "$folder" "$blender" "$command") >&2 & jobs+=($!)
+  done
+  for job in "${jobs[@]}"; do wait "$job" || failed=true; done
+  $failed && exit 1
+fi
+for entry in "${found[@]}"; do echo "${entry%% *}"; done
