@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+
+#include "mesh/morton_order.h"
 
 namespace stormfield {
 namespace {
@@ -20,38 +21,6 @@ std::vector<double> edgeWeights(const TriangleMesh& mesh) {
   std::vector<double> weights(mesh.edgeCount());
   for (Index e = 0; e < mesh.edgeCount(); ++e) weights[e] = edgeWeight(mesh, e);
   return weights;
-}
-
-/// Bits of x spread to every third place.
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
-/// Used vertices along a Morton curve.
-std::vector<Index> mortonOrder(const TriangleMesh& mesh) {
-  const Eigen::RowVector3d low = mesh.points().colwise().minCoeff();
-  const double extent = (mesh.points().colwise().maxCoeff() - low).maxCoeff();
-  const double scale = extent > 0.0 ? 2097151.0 / extent : 0.0;
-  std::vector<std::pair<std::uint64_t, Index>> codes;
-  codes.reserve(mesh.vertexCount());
-  for (Index v = 0; v < mesh.vertexCount(); ++v) {
-    if (mesh.outgoing(v) == kNone) continue;
-    std::uint64_t code = 0;
-    for (int k = 0; k < 3; ++k) {
-      code |= spread(static_cast<std::uint64_t>((mesh.points()(v, k) - low[k]) * scale)) << k;
-    }
-    codes.emplace_back(code, v);
-  }
-  std::sort(codes.begin(), codes.end());
-  std::vector<Index> order;
-  order.reserve(codes.size());
-  for (const auto& [code, v] : codes) order.push_back(v);
-  return order;
 }
 
 }  // namespace

@@ -7,8 +7,10 @@
 
 #include "base/error.h"
 #include "base/message.h"
+#include "mesh/morton_order.h"
 #include "texture/detail/random.h"
 #include "texture/stagger.h"
+#include "tracing/arrivals.h"
 
 namespace stormfield {
 namespace {
@@ -65,6 +67,7 @@ AdvectedCoordinates::AdvectedCoordinates(std::shared_ptr<const FlatFaces> faces,
       field_(std::move(field)),
       options_(checked(options)),
       offsets_(std::move(offsets)),
+      order_(mortonOrder(mesh())),
       flow_(*faces_, *field_, inSeconds(frames, lambdas, options.framesPerSecond), options.speed) {
   if (offsets_.size() != static_cast<std::size_t>(mesh().vertexCount())) {
     throw InputError(message("there are ", offsets_.size(), " phase offsets for ", mesh().vertexCount(), " vertices"));
@@ -88,25 +91,25 @@ PathlineSeed AdvectedCoordinates::seed(const SurfacePoint& p, double frame, doub
 std::vector<Vec3> AdvectedCoordinates::carried(const std::vector<PathlineSeed>& seeds, double tolerance,
                                                Progress* progress) const {
   const TraceOptions options{.direction = Direction::Backward, .tolerance = tolerance};
-  const std::vector<TraceEnd> ends = tracePathlineEnds(flow_, seeds, options, progress);
-  std::vector<Vec3> result(ends.size());
-  tbb::parallel_for(std::size_t{0}, ends.size(), [&](std::size_t i) { result[i] = position(mesh(), ends[i].point); });
+  const std::vector<SurfacePoint> places = traceArrivals(flow_, seeds, options, progress);
+  std::vector<Vec3> result(places.size());
+  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) { result[i] = position(mesh(), places[i]); });
   return result;
 }
 
 AdvectedFrame AdvectedCoordinates::frame(double frame, Progress* progress) const {
   if (!std::isfinite(frame)) throw InputError("the frame is not a finite number");
-  std::vector<Index> used;
-  std::vector<PathlineSeed> seeds;
-  used.reserve(offsets_.size());
-  seeds.reserve(2 * offsets_.size());
-  for (Index v = 0; v < mesh().vertexCount(); ++v) {
-    if (mesh().outgoing(v) == kNone) continue;
-    used.push_back(v);
-    const double c = frame / options_.period + offsets_[v];
-    seeds.push_back(seed(vertexPoint(mesh(), v), frame, c));
-    seeds.push_back(seed(vertexPoint(mesh(), v), frame, c + 0.5));
-  }
+  const auto cyclePosition = [&](Index v) { return frame / options_.period + offsets_[v]; };
+  // Both phases of a vertex lie on one pathline: the younger comes first.
+  const auto isYoungerA = [](double c) { return age(c) < age(c + 0.5); };
+  std::vector<PathlineSeed> seeds(2 * order_.size());
+  tbb::parallel_for(std::size_t{0}, order_.size(), [&](std::size_t i) {
+    const SurfacePoint p = vertexPoint(mesh(), order_[i]);
+    const double c = cyclePosition(order_[i]);
+    const std::size_t a = isYoungerA(c) ? 0 : 1;
+    seeds[2 * i + a] = seed(p, frame, c);
+    seeds[2 * i + 1 - a] = seed(p, frame, c + 0.5);
+  });
   const std::vector<Vec3> coordinates = carried(seeds, options_.tolerance, progress);
 
   AdvectedFrame result;
@@ -114,19 +117,26 @@ AdvectedFrame AdvectedCoordinates::frame(double frame, Progress* progress) const
   for (Index v = 0; v < mesh().vertexCount(); ++v) store(mesh().point(v), result.phaseA, v);
   result.phaseB = result.phaseA;
   result.blend.assign(offsets_.size(), 0.0F);
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    const Index v = used[i];
-    const double c = frame / options_.period + offsets_[v];
-    store(coordinates[2 * i] + cycleOffset(options_, mesh().size(), 0, c), result.phaseA, v);
-    store(coordinates[2 * i + 1] + cycleOffset(options_, mesh().size(), 1, c + 0.5), result.phaseB, v);
+  tbb::parallel_for(std::size_t{0}, order_.size(), [&](std::size_t i) {
+    const Index v = order_[i];
+    const double c = cyclePosition(v);
+    const std::size_t a = isYoungerA(c) ? 0 : 1;
+    store(coordinates[2 * i + a] + cycleOffset(options_, mesh().size(), 0, c), result.phaseA, v);
+    store(coordinates[2 * i + 1 - a] + cycleOffset(options_, mesh().size(), 1, c + 0.5), result.phaseB, v);
     result.blend[v] = static_cast<float>(blendWeight(age(c), options_.deadZone));
-  }
+  });
   return result;
 }
 
 CarriedError AdvectedCoordinates::error(double frame, Index samples) const {
   require(samples > 0, "the error needs at least one sample");
-  const auto fine = [&](const std::vector<PathlineSeed>& seeds) { return carried(seeds, 1e-10, nullptr); };
+  // Of another integrator than the one that is judged.
+  const auto fine = [&](const std::vector<PathlineSeed>& seeds) {
+    const auto ends = tracePathlineEnds(flow_, seeds, {.direction = Direction::Backward, .tolerance = 1e-10});
+    std::vector<Vec3> places(ends.size());
+    for (std::size_t i = 0; i < ends.size(); ++i) places[i] = position(mesh(), ends[i].point);
+    return places;
+  };
   const auto coarse = [&](const std::vector<PathlineSeed>& seeds) {
     return carried(seeds, options_.tolerance, nullptr);
   };

@@ -72,6 +72,7 @@ class AdvectedCoordinates {
   std::shared_ptr<const ParameterizedField> field_;
   AdvectionOptions options_;
   std::vector<double> offsets_;
+  std::vector<Index> order_;  ///< vertices that faces use, neighbours near each other
   UnsteadyField flow_;
 };
 

@@ -6,9 +6,12 @@
 
 #include "data_sets.h"
 #include "fixtures.h"
+#include "growth.h"
+#include "mesh/morton_order.h"
 #include "texture/advected_coordinates.h"
 #include "texture/stagger.h"
 #include "texture/stream_function.h"
+#include "tracing/arrivals.h"
 #include "tracing/streamline.h"
 
 namespace stormfield {
@@ -97,33 +100,103 @@ BENCHMARK(StreamlinesOnTheGasEngine)
     ->ArgNames({"cut", "points", "digits"})
     ->Unit(benchmark::kMillisecond);
 
-/// One frame of advected coordinates, both phases of a period of 48 frames, on a sphere with 10 range(0)^2 + 2 vertices
-/// and 100 lambda samples, with every core. The errors are those of the carried coordinates, in mean edge lengths.
-void AdvectedFrame(benchmark::State& state) {
-  const auto charts = test::makeCharts(test::dividedIcosahedron(static_cast<Index>(state.range(0))));
-  auto field = std::make_shared<ParameterizedField>(ParameterizedField{charts, {}, {}});
-  std::vector<Complex> values;
-  for (int j = 0; j < 100; ++j) {
-    const VectorField sample = sampled(charts, analytic::swirl(0.03 * j));
-    field->lambdas.push_back(j / 99.0);
-    values.insert(values.end(), sample.values.begin(), sample.values.end());
-  }
-  field->values = values;
+/// Storms on a sphere with 20 n^2 faces and 100 lambda samples, both phases of a period of 48 frames.
+struct FlowingStorms {
+  std::shared_ptr<const FlatFaces> faces;
+  std::shared_ptr<const ParameterizedField> field;
   std::vector<double> frames, lambdas;
-  for (int f = 0; f <= 250; ++f) {
-    frames.push_back(f);
-    lambdas.push_back(0.5 - 0.5 * std::cos(std::numbers::pi * f / 250.0));
+  AdvectionOptions options{.speed = 0.3};
+
+  explicit FlowingStorms(Index n) {
+    const auto charts = test::makeCharts(test::dividedIcosahedron(n));
+    faces = std::make_shared<FlatFaces>(charts);
+    auto samples = std::make_shared<ParameterizedField>(ParameterizedField{charts, {}, {}});
+    std::vector<Complex> values;
+    for (int j = 0; j < 100; ++j) {
+      const VectorField sample = sampled(charts, analytic::swirl(0.03 * j));
+      samples->lambdas.push_back(j / 99.0);
+      values.insert(values.end(), sample.values.begin(), sample.values.end());
+    }
+    samples->values = values;
+    field = samples;
+    for (int f = 0; f <= 250; ++f) {
+      frames.push_back(f);
+      lambdas.push_back(0.5 - 0.5 * std::cos(std::numbers::pi * f / 250.0));
+    }
   }
-  const AdvectionOptions options{.speed = 0.3};
-  const AdvectedCoordinates coordinates(std::make_shared<FlatFaces>(charts), field, frames, lambdas, options,
-                                        stagger(charts->mesh(), {}, options.deadZone));
-  for (auto _ : state) benchmark::DoNotOptimize(coordinates.frame(120.0));
-  const CarriedError error = coordinates.error(120.0);
+  AdvectedCoordinates coordinates() const {
+    return {faces, field, frames, lambdas, options, stagger(faces->mesh(), {}, options.deadZone)};
+  }
+  UnsteadyField flow() const {
+    LambdaTrack track{frames, lambdas};
+    for (double& t : track.times) t /= options.framesPerSecond;
+    return {*faces, *field, track, options.speed};
+  }
+};
+
+constexpr double kFrame = 120.0;
+
+/// Processor time of the integrator that follows one path at a time, over that of arrivals, for both phases of some
+/// vertices that lie near each other.
+double timesFaster(const FlowingStorms& storms, const AdvectedCoordinates& coordinates) {
+  const auto order = mortonOrder(coordinates.mesh());
+  const double period = storms.options.period / storms.options.framesPerSecond;
+  std::vector<PathlineSeed> seeds;
+  for (std::size_t i = 0; i < std::min(order.size(), std::size_t{8000}); ++i) {
+    const double c = kFrame / storms.options.period + coordinates.offsets()[order[i]];
+    double ages[2] = {c - std::floor(c), c + 0.5 - std::floor(c + 0.5)};
+    std::sort(ages, ages + 2);
+    const SurfacePoint p = vertexPoint(coordinates.mesh(), order[i]);
+    for (const double age : ages) seeds.push_back({p, kFrame / storms.options.framesPerSecond, age * period});
+  }
+  const UnsteadyField flow = storms.flow();
+  const TraceOptions options{.direction = Direction::Backward, .tolerance = storms.options.tolerance};
+  const double alone = processorTime(3, [&] { benchmark::DoNotOptimize(tracePathlineEnds(flow, seeds, options)); });
+  return alone / processorTime(3, [&] { benchmark::DoNotOptimize(traceArrivals(flow, seeds, options)); });
+}
+
+/// One frame of advected coordinates with every core. The errors are those of the carried coordinates, in mean edge
+/// lengths.
+void AdvectedFrame(benchmark::State& state) {
+  const FlowingStorms storms(static_cast<Index>(state.range(0)));
+  const AdvectedCoordinates coordinates = storms.coordinates();
+  for (auto _ : state) benchmark::DoNotOptimize(coordinates.frame(kFrame));
+  const CarriedError error = coordinates.error(kFrame);
+  state.counters["faces"] = coordinates.mesh().faceCount();
   state.counters["mean error"] = error.mean;
   state.counters["largest error"] = error.largest;
   state.counters["mean error between vertices"] = error.meanBetween;
+  state.counters["times faster than one path at a time"] = timesFaster(storms, coordinates);
 }
-BENCHMARK(AdvectedFrame)->Arg(45)->ArgName("n")->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+BENCHMARK(AdvectedFrame)
+    ->Arg(32)
+    ->Arg(71)
+    ->Arg(158)
+    ->ArgName("n")
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime()
+    ->MeasureProcessCPUTime();
+
+/// How the time of a frame grows with faces; and where the speed is that of the 20k faces in edges a second.
+void AdvectedFrameGrowth(benchmark::State& state) {
+  Growth ofSpeed, ofEdges;
+  for (auto _ : state) {
+    double edge = 0.0;
+    for (const Index n : {32, 71, 158}) {
+      FlowingStorms storms(n);
+      const double faces = storms.faces->mesh().faceCount();
+      const AdvectedCoordinates coordinates = storms.coordinates();
+      ofSpeed.add(faces, processorTime(2, [&] { benchmark::DoNotOptimize(coordinates.frame(kFrame)); }));
+      if (edge == 0.0) edge = storms.faces->mesh().meanEdgeLength();
+      storms.options.speed *= storms.faces->mesh().meanEdgeLength() / edge;
+      const AdvectedCoordinates slower = storms.coordinates();
+      ofEdges.add(faces, processorTime(2, [&] { benchmark::DoNotOptimize(slower.frame(kFrame)); }));
+    }
+  }
+  ofSpeed.report(state, "exponent, same speed");
+  ofEdges.report(state, "exponent, same edges per frame");
+}
+BENCHMARK(AdvectedFrameGrowth)->Unit(benchmark::kMillisecond)->Iterations(1);
 
 /// Stream functions of 100 samples: one factorization, 100 solves.
 void StreamFunctions(benchmark::State& state) {
