@@ -5,7 +5,7 @@ A path that reaches the shared sample in one window goes on in the next: by Poin
 get from the same numbers. What looks beyond a window is judged on whole paths: Hopf bifurcations here, persistence in
 the core, and where there is no field.
 
-    whole = joined([("a.json", part), ("b.json", next_part)])      # parts as windows.py makes them
+    whole = joined([("a.json", part), ("b.json", next_part)])      # parts by window_part()
     tracking = from_native(whole.tracking, min_life, min_strength, whole.region)
 """
 
@@ -15,7 +15,6 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -23,14 +22,13 @@ from .. import native
 from ..model.errors import InputError
 from ..model.words import Json
 from .no_field import Region
-from .windows import common_region
+from .tracking import Begin, End
+from .windows import COLUMNS, common_region
 
 Named = tuple[str, Json]
 Event = dict[str, Json]
 #: Shorter lives are round-off of one event, as in the core.
 INSTANT = 1e-12
-#: What each sample of a path has.
-SAMPLES = ("lambdas", "faces", "barycentric", "positions", "kinds")
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,15 +50,23 @@ def joined(windows: Sequence[Named]) -> Joined:
     paths, events = _chained(ordered)
     paths, events = _spliced(paths, events)
     events += _hopfs_at_cuts(paths)
-    tracking = _tracking([path.to_json() for path in paths], sorted(events, key=lambda event: event["lam"]))
+    found = [_bifurcation(event) for event in sorted(events, key=lambda event: event["lam"])]
+    tracking = native.Tracking([path.to_native() for path in paths], found)
     lambdas = parts[0]["lam"] + [lam for part in parts[1:] for lam in part["lam"][1:]]
     zeros = sum(parts[0]["zero_vectors"]) + sum(sum(part["zero_vectors"][1:]) for part in parts[1:])
     return Joined(tracking, common_region(parts), lambdas, zeros)
 
 
-def _tracking(paths: list[Json], bifurcations: list[Json]) -> native.Tracking:
-    make: Any = native.Tracking
-    return make(paths, bifurcations)
+def _bifurcation(event: Event) -> native.Bifurcation:
+    return native.Bifurcation(
+        lam=float(event["lam"]),
+        face=int(event["face"]),
+        barycentric=np.asarray(event["barycentric"], np.float64),
+        position=np.asarray(event["position"], np.float64),
+        kind=event["kind"],
+        node=event["node"],
+        paths=event["paths"],
+    )
 
 
 def _check_neighbours(before: Named, after: Named) -> None:
@@ -80,8 +86,8 @@ class _Path:
     """A path of the whole while it is put together: its pieces, paths of windows, in the order of λ."""
 
     pieces: list[Json]
-    begin: str
-    end: str
+    begin: Begin
+    end: End
 
     @property
     def life(self) -> float:
@@ -92,25 +98,35 @@ class _Path:
         """Created and annihilated at once, at a cut: no path of its own."""
         return self.begin != "first" and self.end != "last" and self.life <= INSTANT
 
-    def to_json(self) -> dict[str, Json]:
+    def to_native(self) -> native.TrackedPath:
         lives = np.array([piece["lambdas"][-1] - piece["lambdas"][0] for piece in self.pieces])
         weights = lives / lives.sum() if lives.sum() > 0.0 else np.eye(len(self.pieces))[0]
-        means = {key: float(weights @ [piece[key] for piece in self.pieces]) for key in ("strength", "rotation")}
-        longest = self.pieces[int(np.argmax(lives))]
-        ends = {"index": longest["index"], "begin": self.begin, "end": self.end}
-        return ends | means | _samples(self.pieces)
+        strength, rotation = (
+            float(weights @ [piece[key] for piece in self.pieces]) for key in ("strength", "rotation")
+        )
+        samples = _samples(self.pieces)
+        return native.TrackedPath(
+            index=self.pieces[int(np.argmax(lives))]["index"],
+            begin=self.begin,
+            end=self.end,
+            strength=strength,
+            rotation=rotation,
+            lambdas=samples["lambdas"],
+            faces=samples["faces"],
+            barycentric=samples["barycentric"],
+            positions=samples["positions"],
+            kinds=samples["kinds"].tolist(),
+        )
 
 
-def _samples(pieces: Sequence[Json]) -> dict[str, list[Json]]:
+def _samples(pieces: Sequence[Json]) -> dict[str, np.ndarray]:
     """Of all pieces. The sample at a cut is there once, or not at all where the path crosses an edge at that λ."""
-    whole: dict[str, list[Json]] = {key: list(pieces[0][key]) for key in SAMPLES}
+    whole: dict[str, np.ndarray] = {key: pieces[0][key] for key in COLUMNS}
     for piece in pieces[1:]:
         before, after = whole["lambdas"], piece["lambdas"]
         crosses = (len(before) > 1 and before[-2] == before[-1]) or (len(after) > 1 and after[1] == after[0])
-        for key in SAMPLES:
-            if crosses and len(before) > 1:
-                whole[key] = whole[key][:-1]
-            whole[key] = whole[key] + piece[key][1:]
+        kept = len(before) - 1 if crosses and len(before) > 1 else len(before)
+        whole = {key: np.concatenate([whole[key][:kept], piece[key][1:]]) for key in COLUMNS}
     return whole
 
 
@@ -154,7 +170,7 @@ def _matched(before: Named, after: Named) -> dict[int, int]:
 
 def _entered(path: Json) -> float:
     """λ at which it came into its last face."""
-    faces = np.array(path["faces"])
+    faces = path["faces"]
     other = np.flatnonzero(faces != faces[-1])
     return path["lambdas"][other[-1] + 1 if len(other) else 0]
 
@@ -208,7 +224,7 @@ def _reversed(pieces: Sequence[Json]) -> list[Json]:
     """The way back along a path without life, of the opposite index, which says nothing of stability."""
     nothing: Json = {"lambdas": [], "faces": [], "barycentric": [], "positions": []}
     margins = {"first": 0, "last": 0, "first_certain": 0, "last_certain": 0, "before": nothing, "after": nothing}
-    return [{**piece, **{key: piece[key][::-1] for key in SAMPLES}, "margins": margins} for piece in reversed(pieces)]
+    return [{**piece, **{key: piece[key][::-1] for key in COLUMNS}, "margins": margins} for piece in reversed(pieces)]
 
 
 def _hopfs_at_cuts(paths: Sequence[_Path]) -> list[Event]:

@@ -2,13 +2,14 @@
 """Tracking in windows of λ that share one sample, as parts that stitching.py joins. Between two samples the field is
 linear, so a window needs nothing from outside.
 
-    part = window_json(followed, mesh, lambdas, tangents)      # plain values, written by `stormfield track --from --to`
+    part = window_part(followed, mesh, lambdas, tangents)      # stitching.joined([("a", part), …])
+    content = part_to_json(part)                               # what `stormfield track --from --to` writes
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,16 +21,27 @@ from .no_field import Region, region_without_field
 SCHEMA = "stormfield.window/1"
 
 
-def window_json(
+#: What each sample of a path has, with its type; kinds are words.
+COLUMNS: Mapping[str, type | str] = {
+    "lambdas": np.float64,
+    "faces": np.int32,
+    "barycentric": np.float64,
+    "positions": np.float64,
+    "kinds": "U10",
+}
+
+
+def window_part(
     followed: native.Tracking, mesh: native.TriangleMesh, lambdas: np.ndarray, tangents: np.ndarray
 ) -> dict[str, Json]:
-    """All paths of a window, unfiltered, and what joining needs: fingerprints of its ends, where it has no field."""
+    """All paths of a window, unfiltered, with samples as arrays, and what joining needs: fingerprints of its ends,
+    where it has no field."""
     return {
         "lam": [float(lam) for lam in lambdas],
-        "ends": [_fingerprint(mesh, tangents[0]), _fingerprint(mesh, tangents[-1])],
+        "ends": _fingerprints(mesh, tangents),
         "zero_vectors": [int((sample == 0.0).sum()) for sample in tangents],
         "still": _still(followed, mesh, tangents),
-        "paths": [_path_json(path) for path in followed.paths],
+        "paths": [_path(path) for path in followed.paths],
         "bifurcations": [
             {
                 "lam": event.lam,
@@ -45,26 +57,41 @@ def window_json(
     }
 
 
-def _fingerprint(mesh: native.TriangleMesh, sample: np.ndarray) -> str:
-    """Of mesh and field at one sample: windows that share it have the same."""
-    digest = hashlib.sha256()
-    for array in (mesh.triangles, mesh.vertices, sample):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
+def part_to_json(part: dict[str, Json]) -> dict[str, Json]:
+    """The part with plain values alone."""
+    return {**part, "paths": [{**path, **{key: path[key].tolist() for key in COLUMNS}} for path in part["paths"]]}
 
 
-def _path_json(path: Any) -> dict[str, Json]:
+def part_from_json(content: dict[str, Json]) -> dict[str, Json]:
+    """The part with samples as arrays."""
+    return {**content, "paths": [{**path, **_columns(path)} for path in content["paths"]]}
+
+
+def _columns(path: dict[str, Json]) -> dict[str, np.ndarray]:
+    return {key: np.asarray(path[key], kind) for key, kind in COLUMNS.items()}
+
+
+def _fingerprints(mesh: native.TriangleMesh, tangents: np.ndarray) -> list[str]:
+    """Of mesh and field at the first and the last sample: windows that share one have the same."""
+    of_mesh = hashlib.sha256()
+    for array in (mesh.triangles, mesh.vertices):
+        of_mesh.update(np.ascontiguousarray(array).data)
+    digests = []
+    for sample in (tangents[0], tangents[-1]):
+        digest = of_mesh.copy()
+        digest.update(np.ascontiguousarray(sample).tobytes())
+        digests.append(digest.hexdigest())
+    return digests
+
+
+def _path(path: Any) -> dict[str, Json]:
     return {
         "index": path.index,
         "begin": path.begin,
         "end": path.end,
         "strength": path.strength,
         "rotation": path.rotation,
-        "lambdas": path.lambdas.tolist(),
-        "faces": path.faces.tolist(),
-        "barycentric": path.barycentric.tolist(),
-        "positions": path.positions.tolist(),
-        "kinds": list(path.kinds),
+        **{key: np.asarray(getattr(path, key), kind) for key, kind in COLUMNS.items()},
         "margins": {
             **{name: getattr(path.margins, name) for name in ("first", "last", "first_certain", "last_certain")},
             **{name: _changes_json(getattr(path.margins, name)) for name in ("before", "after")},

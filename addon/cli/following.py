@@ -60,14 +60,14 @@ def _in_one_piece(given: FieldInput) -> Joined:
 
 def _one_after_another(given: FieldInput, windows: list[tuple[int, int]]) -> Joined:
     from ..analysis.stitching import joined
-    from ..analysis.windows import window_json
+    from ..analysis.windows import window_part
 
     parts = []
     for k, (first, last) in enumerate(windows):
         lambdas = given.data.lambdas[first : last + 1]
-        vectors = (given.data.vectors[j] for j in range(first, last + 1))
+        vectors = given.data.vectors[first : last + 1]
         followed, tangents = _followed(given, lambdas, vectors, f"Tracking window {k + 1} of {len(windows)}")
-        parts.append((f"samples {first} to {last}", window_json(followed, given.mesh, lambdas, tangents)))
+        parts.append((f"samples {first} to {last}", window_part(followed, given.mesh, lambdas, tangents)))
     with given.phases("stitch"):
         return joined(parts)
 
@@ -78,14 +78,14 @@ def _by_dask(given: FieldInput, windows: list[tuple[int, int]], scheduler: str |
     from .dask_windows import follow
 
     with given.phases("track"), progress("Tracking") as show:
-        parts = run(follow(given.name, given.choice, windows, scheduler, at_once), show)
+        parts = run(follow(given.data, windows, scheduler, at_once), show)
     with given.phases("stitch"):
         return joined(parts)
 
 
 def write_part(given: FieldInput, start: str | None, to: str | None, limit: float) -> None:
     """A window, for stormfield stitch."""
-    from ..analysis.windows import SCHEMA, window_json
+    from ..analysis.windows import SCHEMA, part_to_json, window_part
 
     window = window_of(given.data, start, to, given.name)
     size = size_of(len(window.lambdas), given.mesh.vertex_count)
@@ -95,7 +95,8 @@ def write_part(given: FieldInput, start: str | None, to: str | None, limit: floa
             f"{shown(limit)} may be used; choose a shorter window, or give --memory"
         )
     followed, tangents = _followed(given, window.lambdas, window.vectors)
-    given.write_part(SCHEMA, window.read, window_json(followed, given.mesh, window.lambdas, tangents))
+    part = window_part(followed, given.mesh, window.lambdas, tangents)
+    given.write_part(SCHEMA, window.read, part_to_json(part))
 
 
 def _followed(

@@ -133,7 +133,7 @@ def write_result(target: str, schema: str, read: Reading, content: dict[str, Jso
 
 def write_json(target: str, content: dict[str, Json]) -> None:
     """To a file, whole or not at all, or with - to standard output."""
-    text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json_text(content)
     if target == "-":
         sys.stdout.write(text)
         return
@@ -145,3 +145,15 @@ def write_json(target: str, content: dict[str, Json]) -> None:
     except OSError as error:
         temporary.unlink(missing_ok=True)
         raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place") from error
+
+
+def json_text(content: dict[str, Json]) -> str:
+    """One line for each key, and for each entry of a list of objects: as many lines as there are paths, not numbers."""
+    dumps = functools.partial(json.dumps, ensure_ascii=False, allow_nan=False)
+
+    def value(of: Json) -> str:
+        if isinstance(of, list) and of and isinstance(of[0], dict):
+            return "[\n  " + ",\n  ".join(map(dumps, of)) + "\n ]"
+        return dumps(of)
+
+    return "{\n " + ",\n ".join(f"{dumps(key)}: {value(of)}" for key, of in content.items()) + "\n}\n"

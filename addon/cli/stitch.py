@@ -59,7 +59,7 @@ def stitch(parts: tuple[str, ...], out: str, min_life: float, min_strength: floa
 
 
 def _read(name: str) -> Json:
-    from ..analysis.windows import SCHEMA
+    from ..analysis.windows import SCHEMA, part_from_json
 
     try:
         part = json.loads(Path(name).read_text(encoding="utf-8"))
@@ -69,7 +69,7 @@ def _read(name: str) -> Json:
         raise InputError(f"{name}: cannot be read ({error})") from error
     if not isinstance(part, dict) or part.get("schema") != SCHEMA:
         raise InputError(f"{name}: is no window of a tracking; write one with stormfield track --from --to")
-    return part
+    return part_from_json(part)
 
 
 def _whole_reading(windows: list[tuple[str, Json]]) -> Json:

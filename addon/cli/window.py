@@ -47,7 +47,7 @@ def window_of(data: FieldData, start: str | None, to: str | None, name: str) -> 
         raise InputError(f"{name}: the window from {start} to {to} has no two samples; choose times farther apart")
     part = range(first, last + 1)
     shown = tuple(data.read.times[j] for j in part) if len(data.read.times) == len(times) else data.read.times
-    return Window(data.lambdas[part], (data.vectors[j] for j in part), replace(data.read, times=shown))
+    return Window(data.lambdas[part], data.vectors[first : last + 1], replace(data.read, times=shown))
 
 
 def _times(data: FieldData) -> Sequence[float | str]:

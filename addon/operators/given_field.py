@@ -76,7 +76,7 @@ class STORMFIELD_OT_field_from_attribute(JobOperator, bpy.types.Operator):
             return super().invoke(context, event)
         found = candidates(_seen(context, context.object))
         self.attribute = found[0].name if found else ""
-        return context.window_manager.invoke_props_dialog(self)
+        return self.ask(context.window_manager.invoke_props_dialog(self))
 
     def draw(self, context):
         layout = self.layout

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """File → Import → Stormfield Data: wind, currents, flow on surfaces and λ caches as objects with a field."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -8,20 +9,22 @@ from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ..bake.given import GivenField, given_steps
-from ..cache.field_cache import open_cache
+from ..cache.field_cache import FieldCache, open_cache
 from ..cache.layout import MANIFEST
 from ..model.errors import InputError, MissingPackageError
-from ..readers import Choice, FieldData, SceneScale, read_series
+from ..model.mesh_data import MeshData
+from ..model.polygons import Polygons
+from ..readers import Choice, FieldData, SceneScale, series_steps
 from ..scene.read import folders
-from ..scene.read.mesh import read_mesh, read_polygons
 from ..scene.write import attach, imported
 from ..scene.write.lambda_keys import key_lambda_over_scene
 from ..session import running
-from ..work import Step
+from ..work import Step, Steps, scaled
 from . import requirements
 from .job_operator import JobOperator
-from .shared import report_fault
 
+#: Part of the steps in which the file is read.
+READ = 0.4
 ENDINGS = (
     ".nc",
     ".nc4",
@@ -41,7 +44,7 @@ ENDINGS = (
 
 
 class STORMFIELD_OT_import_data(JobOperator, bpy.types.Operator, ImportHelper):
-    """Import wind or currents, flow on a surface, or a λ cache: a mesh with its field, λ keyed over the scene"""
+    """Import wind, currents, flow on a surface, or a λ cache: a mesh with its field, λ keyed over frames. Esc stops"""
 
     bl_idname = "stormfield.import_data"
     bl_label = "Import Stormfield Data"
@@ -89,54 +92,58 @@ class STORMFIELD_OT_import_data(JobOperator, bpy.types.Operator, ImportHelper):
         return not reason
 
     def invoke(self, context, event):
-        return ImportHelper.invoke(self, context, event)
+        return self.ask(ImportHelper.invoke(self, context, event))
 
-    def execute(self, context):
-        try:
-            return super().execute(context)
-        except (InputError, OSError) as fault:  # the file is read before the work begins
-            return report_fault(self, fault)
+    def subject(self, _context):
+        """The object is made when all is there, so that work that is stopped leaves nothing."""
+        return
 
-    def subject(self, context):
-        """The new object."""
-        path = Path(bpy.path.abspath(self.filepath))
-        self._cache = _cache_folder(path)
-        if self._cache is not None:
-            cache = open_cache(self._cache)
-            self._data = None
-            return imported.add_cache_object(context, cache)
-        self._data = _read(path, self._choice())
-        self._scale = SceneScale.of(self._data, self.radius, _seconds(context.scene))
-        return imported.add_object(context, path.stem, self._data, self._scale)
+    def new_name(self):
+        return Path(self.filepath).stem
 
-    def start(self, _context, obj):
-        if self._data is None:
-            return _ready(self._cache)
-        stat = Path(bpy.path.abspath(self.filepath)).stat()
-        origin = {
-            "file": Path(self.filepath).name,
-            "size": stat.st_size,
-            "modified": stat.st_mtime_ns,
-            "choice": repr(self._choice()),
-            "scale": [self._scale.lengths, self._scale.speeds],
-        }
-        scaled = (self._scale.speeds * values for values in self._data.vectors)
-        given = GivenField(tuple(self._data.lambdas.tolist()), scaled, origin)
-        return given_steps(read_mesh(obj), given, folders.cache_root(obj), read_polygons(obj))
+    def start(self, context, _obj):
+        return self._steps_of(Path(bpy.path.abspath(self.filepath)), _seconds(context.scene))
 
-    def finish(self, context, obj, folder):
-        obj.stormfield.enabled = True
-        if self._data is None:
-            attach.attach_lambda(obj, folder)
+    def was_stopped(self, name):
+        self.report({"WARNING"}, f"Importing '{name}' was stopped; nothing was made")
+        return {"CANCELLED"}
+
+    def finish(self, context, _obj, made):
+        if isinstance(made, FieldCache):
+            obj = imported.add_cache_object(context, made)
+            attach.attach_lambda(obj, made.folder)
+            words = f"'{obj.name}' shows the λ cache in {made.folder}"
         else:
-            attach.show_solved(obj, folder)
+            obj = imported.add_object(context, made.name, made.mesh, made.data)
+            attach.show_solved(obj, made.folder)
+            imported.remember(obj, made.data)
+            words = f"{made.data.read.line()}; {made.scale.words}"
+        obj.stormfield.enabled = True
         obj.stormfield.solve.solved = ""  # no elements made it
         key_lambda_over_scene(context.scene, obj)
-        if self._data is None:
-            self.report({"INFO"}, f"'{obj.name}' shows the λ cache in {folder}")
-            return
-        imported.remember(obj, self._data)
-        self.report({"INFO"}, f"{self._data.read.line()}; {self._scale.words}")
+        self.report({"INFO"}, words)
+
+    def _steps_of(self, path, seconds):
+        folder = _cache_folder(path)
+        if folder is not None:
+            yield Step(0.0, "Opening the cache")
+            return open_cache(folder)
+        choice = self._choice()
+        data = yield from scaled(_read(path, choice), 0.0, READ)
+        scale = SceneScale.of(data, self.radius, seconds)
+        name, mesh = imported.free_name(path.stem), imported.scene_mesh(data, scale)
+        stat = path.stat()
+        origin = {
+            "file": path.name,
+            "size": stat.st_size,
+            "modified": stat.st_mtime_ns,
+            "choice": repr(choice),
+            "scale": [scale.lengths, scale.speeds],
+        }
+        vectors = (scale.speeds * values for values in data.vectors)
+        given = GivenField(tuple(data.lambdas.tolist()), vectors, origin)
+        steps = given_steps(mesh, given, folders.root_of_new(name), Polygons.of_triangles(mesh.triangles))
+        return _Imported(name, data, scale, mesh, (yield from scaled(steps, READ, 1.0)))
 
     def _choice(self) -> Choice:
         return Choice(
@@ -148,9 +155,20 @@ class STORMFIELD_OT_import_data(JobOperator, bpy.types.Operator, ImportHelper):
         )
 
 
-def _read(path: Path, choice: Choice) -> FieldData:
+@dataclass(frozen=True, eq=False)
+class _Imported:
+    """What becomes an object of this name."""
+
+    name: str
+    data: FieldData
+    scale: SceneScale
+    mesh: MeshData
+    folder: Path
+
+
+def _read(path: Path, choice: Choice) -> Steps[FieldData]:
     try:
-        return read_series(path, choice)
+        return (yield from series_steps(path, choice))
     except (ImportError, MissingPackageError) as fault:
         package = fault.package if isinstance(fault, MissingPackageError) else fault.name
         raise InputError(
@@ -173,12 +191,6 @@ def _seconds(scene: bpy.types.Scene) -> float:
     """Seconds over which the scene runs."""
     frames = max(scene.frame_end - scene.frame_start, 1)
     return frames * scene.render.fps_base / scene.render.fps
-
-
-def _ready(folder: Path):
-    """Steps of a cache that is there already."""
-    yield Step(1.0, "Opening the cache")
-    return folder
 
 
 CLASSES = (STORMFIELD_OT_import_data,)

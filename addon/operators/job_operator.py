@@ -5,7 +5,7 @@
         job_title = "Solving"
         why_not = staticmethod(why_not)  # object -> why it cannot be done now, and the cure; "" when it can
         def start(self, context, obj):  -> generator that yields steps with .fraction and .message, returns its result
-        def finish(self, context, obj, result):  attaches what was made
+        def finish(self, context, obj, result):  attaches what was made, to a new object where subject() gives None
         keeps_when_stopped = True  # where Esc shall leave what is complete, instead of nothing
 
 With a window the operator is modal: slices of SLICE seconds, progress in the status bar, the cursor and the panel, Esc
@@ -35,6 +35,8 @@ class JobOperator(FieldOperator):
     keeps_when_stopped = False
     _shown = ""
     _ending = False
+    #: Whether execute() comes from what invoke() asked.
+    _asked = False
 
     @classmethod
     def poll(cls, context):
@@ -55,8 +57,12 @@ class JobOperator(FieldOperator):
         return ""
 
     def subject(self, context):
-        """The object that the work is for."""
+        """The object that the work is for; None where finish() makes one."""
         return active_field(context)
+
+    def new_name(self):
+        """What work without an object is called."""
+        return ""
 
     def was_stopped(self, name: str) -> set[str]:
         """Say what is left after the work for the object of that name was stopped before it had a result."""
@@ -64,9 +70,12 @@ class JobOperator(FieldOperator):
         return {"CANCELLED"}
 
     def execute(self, context):
-        """The whole work in one call."""
+        """The whole work in one call; in slices where a file browser or a dialog of this operator ends with it."""
+        if self._asked:
+            self._asked = False
+            return self._begin(context)
         obj = self.subject(context)
-        self._job = running.begin(self.job_title, obj)
+        self._job = running.begin(self.job_title, obj, self.new_name())
         try:
             steps = self.start(context, obj)
             while True:
@@ -86,6 +95,14 @@ class JobOperator(FieldOperator):
     def invoke(self, context, _event):
         if bpy.app.background:
             return self.execute(context)
+        return self._begin(context)
+
+    def ask(self, asking):
+        """asking: what the call that opens a file browser or a dialog returned. What it ends with runs in slices."""
+        self._asked = not bpy.app.background
+        return asking
+
+    def _begin(self, context):
         fault = self.begin(context)
         if not fault:
             context.window_manager.modal_handler_add(self)
@@ -99,7 +116,7 @@ class JobOperator(FieldOperator):
             self._steps = self.start(context, obj)
         except EXPECTED as fault:
             return report_fault(self, fault)
-        self._job = running.begin(self.job_title, obj)
+        self._job = running.begin(self.job_title, obj, self.new_name())
         manager = context.window_manager
         manager.progress_begin(0, 100)
         self._timer = manager.event_timer_add(TICK, window=context.window)
@@ -142,9 +159,9 @@ class JobOperator(FieldOperator):
 
     def _run_slice(self):
         until = time.monotonic() + SLICE
-        while time.monotonic() < until:
+        while True:
             step = self._take(next(self._steps))
-            if step.waiting:  # the core works on its own threads: give the time back
+            if step.waiting or time.monotonic() >= until:  # the core works on its own threads: give the time back
                 break
 
     def _end_early(self):
@@ -177,7 +194,7 @@ class JobOperator(FieldOperator):
 
     def _finished(self, context, result):
         obj = self._job.object()
-        if obj is None:
+        if self._job.has_lost_object:
             self.report({"WARNING"}, f"'{self._job.object_name}' was deleted meanwhile; its cache is kept")
             return {"CANCELLED"}
         try:

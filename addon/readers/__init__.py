@@ -14,6 +14,7 @@ from pathlib import Path
 from ..cache.layout import MANIFEST, OLD_STAGE, PLAN, STAGE
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
+from ..work import Step, Steps, run
 from .choice import EARTH_RADIUS_KM, Choice, chosen_arrays
 from .field_data import FieldData, NoFieldError
 from .geography import Geography
@@ -26,25 +27,30 @@ def read_field(path: str | Path, choice: Choice | None = None) -> FieldData:
     """The field of any of the files above, over all times that the file, folder or pattern (wall_*.vtp) holds. choice:
     what of it, where it offers more than one."""
     path, choice = Path(path), choice or Choice()
-    other = _not_a_surface(path, choice)
+    other = run(_not_a_surface(path, choice))
     if other is not None:
         return other
-    from .surface_field import surface_field
-    from .surface_files import surface_steps
+    from .surface_field import field_steps
+    from .surface_files import surface_times
 
-    return surface_field(surface_steps(path), choice)
+    return run(field_steps(surface_times(path), choice))
 
 
 def read_series(path: str | Path, choice: Choice | None = None) -> FieldData:
     """The same, and of one of several numbered files all of them."""
-    path, choice = Path(path), choice or Choice()
-    other = _not_a_surface(path, choice)
+    return run(series_steps(Path(path), choice or Choice()))
+
+
+def series_steps(path: Path, choice: Choice) -> Steps[FieldData]:
+    """read_series() in steps: a time of a grid, a file of a surface. Within one, a library of others cannot be
+    stopped."""
+    other = yield from _not_a_surface(path, choice)
     if other is not None:
         return other
-    from .surface_field import surface_field
-    from .surface_files import numbered_steps
+    from .surface_field import field_steps
+    from .surface_files import numbered_times
 
-    return surface_field(numbered_steps(path), choice)
+    return (yield from field_steps(numbered_times(path), choice))
 
 
 def read_mesh(path: str | Path) -> tuple[MeshData, Reading]:
@@ -54,16 +60,16 @@ def read_mesh(path: str | Path) -> tuple[MeshData, Reading]:
         from .grids import read_grid_mesh
 
         return read_grid_mesh(path)
-    other = _not_a_surface(path, Choice())
+    other = run(_not_a_surface(path, Choice()))
     if other is not None:
         return other.mesh, other.read
     from .surface_field import surface_mesh
-    from .surface_files import surface_steps
+    from .surface_files import surface_times
 
-    return surface_mesh(surface_steps(path))
+    return surface_mesh(surface_times(path))
 
 
-def _not_a_surface(path: Path, choice: Choice) -> FieldData | None:
+def _not_a_surface(path: Path, choice: Choice) -> Steps[FieldData | None]:
     """Caches, .t files and grids; None for surfaces of other programs."""
     ending = path.suffix.lower()
     if not path.exists() and not is_pattern(path):
@@ -71,6 +77,7 @@ def _not_a_surface(path: Path, choice: Choice) -> FieldData | None:
     if path.name in (STAGE, OLD_STAGE) or (path / MANIFEST).exists() or (path / PLAN).exists():
         from .cache_folder import read_cache
 
+        yield Step(0.0, f"Reading {path.name}")
         choice.check_without_grid(str(path))
         if choice.vector is not None:
             raise InputError(f"{path}: is a cache, whose fields are chosen by --attribute, not by --vector")
@@ -78,15 +85,16 @@ def _not_a_surface(path: Path, choice: Choice) -> FieldData | None:
     if ending == ".t":
         from .t_file import read_t
 
+        yield Step(0.0, f"Reading {path.name}")
         choice.check_without_grid(str(path))
         found = read_t(path)
         if choice.vector is not None:
             chosen_arrays(choice.vector, found.read.choices, str(path))
         return found
     if _is_grid(path):
-        from .grids import read_grid
+        from .grids import grid_steps
 
-        return read_grid(path, choice)
+        return (yield from grid_steps(path, choice))
     choice.check_without_grid(str(path))
     return None
 
@@ -111,4 +119,5 @@ __all__ = [
     "read_field",
     "read_mesh",
     "read_series",
+    "series_steps",
 ]

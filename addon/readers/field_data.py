@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What every reader returns."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, overload
 
 import numpy as np
 
@@ -21,14 +23,18 @@ class NoFieldError(InputError):
 
 
 class Samples(Protocol):
-    """(s, n, 3) vectors whose samples are read when asked for; an array is one."""
+    """(s, n, 3) vectors whose samples are read when asked for; an array is one. A slice reads nothing."""
 
     @property
     def shape(self) -> tuple[int, ...]: ...
 
     def __len__(self) -> int: ...
 
+    @overload
     def __getitem__(self, j: int, /) -> np.ndarray: ...
+
+    @overload
+    def __getitem__(self, j: slice, /) -> Samples: ...
 
     def __iter__(self) -> Iterator[np.ndarray]: ...
 

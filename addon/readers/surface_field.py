@@ -11,6 +11,7 @@ import numpy as np
 
 from ..model.errors import InputError
 from ..model.mesh_data import MeshData
+from ..work import Step, Steps
 from .choice import Choice
 from .field_data import FieldData, NoFieldError, check_numbers, lambdas_of
 from .normals import faces_to_vertices, rotated, tangent_share, vertex_normals
@@ -19,12 +20,14 @@ from .reading import Reading
 from .surface_vector import Taken, field_arrays, looks_normal, normal_fault, three_components
 from .weld import Welded, weld
 
+#: Part of the steps in which files are read.
+READ = 0.8
 #: A surface that moves farther than this part of its size is not one surface over time.
 LARGEST_MOTION = 0.1
 
 
 @dataclass(frozen=True)
-class Step:
+class SurfaceTime:
     """One time of the data. read gives its parts, the blocks of a file or the files of a time. time: as a collection
     says; number: in the name of the file, which stands for a time where there is none."""
 
@@ -35,34 +38,37 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Steps:
+class SurfaceTimes:
     """All times of the data, in their order. name: what messages call them."""
 
     name: str
-    steps: tuple[Step, ...]
+    times: tuple[SurfaceTime, ...]
     time_unit: str = ""
     notes: tuple[str, ...] = ()
 
 
-def surface_mesh(data: Steps) -> tuple[MeshData, Reading]:
+def surface_mesh(data: SurfaceTimes) -> tuple[MeshData, Reading]:
     """The mesh alone, and what there is to choose."""
-    parts = _parts(data.steps[0])
+    parts = _parts(data.times[0])
     values = joined(parts, ())
     welded = weld(values.points, values.triangles, ())
     read = Reading(_files(data), choices=offered(parts), changes=_changes(parts, welded), notes=data.notes)
     return _mesh(welded, data.name), read
 
 
-def surface_field(data: Steps, choice: Choice) -> FieldData:
+def field_steps(data: SurfaceTimes, choice: Choice) -> Steps[FieldData]:
     """The field over all times. Raises InputError, and NoFieldError where nothing says which array it is."""
-    first = _parts(data.steps[0])
+    yield _reading(data, 0)
+    first = _parts(data.times[0])
     taken = field_arrays(first, choice.vector, data.name)
     parts = [part for part in first if part.has(taken.arrays)]
-    frames, times = [_values(first, taken, data.steps[0].files)], [_time(data.steps[0], first)]
-    for step in data.steps[1:]:
+    frames, times = [_values(first, taken, data.times[0].files)], [_time(data.times[0], first)]
+    for j, step in enumerate(data.times[1:], start=1):
+        yield _reading(data, j)
         found = _parts(step)
         frames.append(_values(found, taken, step.files))
         times.append(_time(step, found))
+    yield Step(READ, "Making the mesh")
     clock = _clock(data, times)
     _check_same_surface(frames, data)
     check_numbers(f"{data.name}: ", "field", np.array([np.abs(frame.vectors).max() for frame in frames]))
@@ -97,7 +103,12 @@ def surface_field(data: Steps, choice: Choice) -> FieldData:
     return FieldData(mesh, clock.lambdas, vectors, read)
 
 
-def _parts(step: Step) -> list[RawSurface]:
+def _reading(data: SurfaceTimes, j: int) -> Step:
+    count = len(data.times)
+    return Step(READ * j / count, f"Reading time {j + 1} of {count}" if count > 1 else f"Reading {data.name}")
+
+
+def _parts(step: SurfaceTime) -> list[RawSurface]:
     """The parts with faces, each once."""
     found: list[RawSurface] = []
     read = step.read()
@@ -144,11 +155,11 @@ def _values(parts: Sequence[RawSurface], taken: Taken, files: Sequence[Path]) ->
     return Values(values.points, values.triangles, vectors)
 
 
-def _check_same_surface(frames: Sequence[Values], data: Steps) -> None:
-    for frame, step in zip(frames[1:], data.steps[1:], strict=True):
+def _check_same_surface(frames: Sequence[Values], data: SurfaceTimes) -> None:
+    for frame, step in zip(frames[1:], data.times[1:], strict=True):
         if frame.points.shape != frames[0].points.shape or not np.array_equal(frame.triangles, frames[0].triangles):
             raise InputError(
-                f"{_named(step.files)}: has other faces than {_named(data.steps[0].files)}; paths are followed on one "
+                f"{_named(step.files)}: has other faces than {_named(data.times[0].files)}; paths are followed on one "
                 "mesh: interpolate the data onto one"
             )
     motion = _motion(frames)
@@ -220,18 +231,18 @@ class Clock:
     notes: tuple[str, ...] = ()
 
 
-def _time(step: Step, parts: Sequence[RawSurface]) -> float | None:
+def _time(step: SurfaceTime, parts: Sequence[RawSurface]) -> float | None:
     return step.time if step.time is not None else next((p.time for p in parts if p.time is not None), None)
 
 
-def _clock(data: Steps, times: Sequence[float | None]) -> Clock:
+def _clock(data: SurfaceTimes, times: Sequence[float | None]) -> Clock:
     """Times as they are known, else the numbers in names of files, else nothing but an order."""
     known = [time for time in times if time is not None]
     if len(known) == len(times):
         return Clock(lambdas_of(np.array(known), data.name), tuple(known))
     if len(times) == 1:
         return Clock(np.zeros(1))
-    numbers = [step.number for step in data.steps if step.number is not None]
+    numbers = [step.number for step in data.times if step.number is not None]
     if len(numbers) == len(times):
         note = "the files have no times, the numbers in their names stand for them"
         return Clock(lambdas_of(np.array(numbers), data.name), (), (note,))
@@ -243,8 +254,8 @@ def _unit(taken: Taken) -> str:
     return units.pop() if len(units) == 1 else ""
 
 
-def _files(data: Steps) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(str(file) for step in data.steps for file in step.files))
+def _files(data: SurfaceTimes) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(str(file) for step in data.times for file in step.files))
 
 
 def _named(files: Sequence[Path]) -> str:

@@ -15,9 +15,9 @@ from .beside_files import ENDINGS as BESIDE
 from .beside_files import mesh_beside
 from .other_surfaces import other_parts
 from .raw_surface import RawSurface
-from .surface_field import Step, Steps
+from .surface_field import SurfaceTime, SurfaceTimes
 from .vtk_data import have_vtk
-from .vtk_files import READERS, vtk_parts, vtk_steps
+from .vtk_files import READERS, vtk_parts, vtk_times
 
 #: Formats of VTK that meshio reads too, where VTK is not installed.
 ALSO_BY_MESHIO = (".vtu", ".vtk", ".stl", ".xdmf")
@@ -28,53 +28,53 @@ SURFACES = {*READERS, ".ply", ".off", ".obj"} - {".stl"}
 NUMBER = re.compile(r"(\d+(?:\.\d+)?)(?=\D*$)")
 
 
-def surface_steps(path: Path) -> Steps:
+def surface_times(path: Path) -> SurfaceTimes:
     """The times of a file or folder, in order. Raises InputError."""
     ending = path.suffix.lower()
     if not path.exists():
-        return _pattern_steps(path)
+        return _pattern_times(path)
     if path.is_dir():
-        return folder_steps(path)
+        return folder_times(path)
     if ending == ".pvd":
         return _collection(path, _pvd(path))
     if ending == ".series":
         return _collection(path, _series(path))
     if ending in BESIDE:
-        return surface_steps(mesh_beside(path))
+        return surface_times(mesh_beside(path))
     if _by_vtk(path):
-        return vtk_steps(path)
-    return Steps(str(path), (Step((path,), partial(other_parts, path)),))
+        return vtk_times(path)
+    return SurfaceTimes(str(path), (SurfaceTime((path,), partial(other_parts, path)),))
 
 
-def numbered_steps(path: Path) -> Steps:
+def numbered_times(path: Path) -> SurfaceTimes:
     """The times of a file, or of all files in its folder that differ from it in the number alone."""
-    steps = surface_steps(path)
+    times = surface_times(path)
     family = _family(path) if path.is_file() else []
-    if len(steps.steps) > 1 or len(family) < 2:
-        return steps
+    if len(times.times) > 1 or len(family) < 2:
+        return times
     return series_of(family, str(path), (f"{len(family)} numbered files beside {path.name} are its times",))
 
 
-def series_of(files: Sequence[Path], name: str, notes: tuple[str, ...] = ()) -> Steps:
+def series_of(files: Sequence[Path], name: str, notes: tuple[str, ...] = ()) -> SurfaceTimes:
     """One time for each file, by the numbers in their names."""
     numbered = sorted(((_number(file), file) for file in files), key=lambda pair: (pair[0] is None, pair[0], pair[1]))
-    steps = tuple(Step((file,), partial(_parts, file), number=number) for number, file in numbered)
-    return Steps(name, steps, notes=notes)
+    times = tuple(SurfaceTime((file,), partial(_parts, file), number=number) for number, file in numbered)
+    return SurfaceTimes(name, times, notes=notes)
 
 
-def folder_steps(folder: Path) -> Steps:
+def folder_times(folder: Path) -> SurfaceTimes:
     """A folder with one collection, one family of numbered files, or folders named by times with a file each."""
     collections = sorted(file for file in folder.iterdir() if file.suffix.lower() in COLLECTIONS)
     if len(collections) == 1:
-        return surface_steps(collections[0])
+        return surface_times(collections[0])
     families = {_stem(file): _family(file) for file in sorted(folder.iterdir()) if file.suffix.lower() in SURFACES}
     if len(families) == 1 and not collections:
         (family,) = families.values()
-        return series_of(family, str(folder)) if len(family) > 1 else surface_steps(family[0])
+        return series_of(family, str(folder)) if len(family) > 1 else surface_times(family[0])
     timed = _folders_of_times(folder)
     if len(timed) > 1 and not families:
-        steps = tuple(Step((file,), partial(_parts, file), time=time) for time, file in timed)
-        return Steps(str(folder), steps)
+        times = tuple(SurfaceTime((file,), partial(_parts, file), time=time) for time, file in timed)
+        return SurfaceTimes(str(folder), times)
     found = [*(file.name for file in collections), *families]
     if found:
         raise InputError(
@@ -83,11 +83,11 @@ def folder_steps(folder: Path) -> Steps:
     raise InputError(f"{folder}: has no data, and no finished cache (manifest.json is missing); solve or bake first")
 
 
-def _pattern_steps(pattern: Path) -> Steps:
+def _pattern_times(pattern: Path) -> SurfaceTimes:
     files = sorted(pattern.parent.glob(pattern.name))
     if not files:
         raise InputError(f"{pattern}: no file has such a name; check the pattern")
-    return series_of(files, str(pattern)) if len(files) > 1 else surface_steps(files[0])
+    return series_of(files, str(pattern)) if len(files) > 1 else surface_times(files[0])
 
 
 def _parts(file: Path) -> list[RawSurface]:
@@ -116,7 +116,7 @@ def _series(path: Path) -> list[tuple[float | None, str]]:
         raise InputError(f"{path}: is not a .series collection ({error})") from error
 
 
-def _collection(path: Path, entries: list[tuple[float | None, str]]) -> Steps:
+def _collection(path: Path, entries: list[tuple[float | None, str]]) -> SurfaceTimes:
     """Files of the same time are parts of one surface."""
     if not entries:
         raise InputError(f"{path}: names no files")
@@ -129,7 +129,9 @@ def _collection(path: Path, entries: list[tuple[float | None, str]]) -> Steps:
     if None in files_at and len(files_at[None]) > 1:
         return series_of([path.parent / name for _, name in entries], str(path))
     ordered = sorted(files_at.items(), key=lambda item: item[0] if item[0] is not None else 0.0)
-    return Steps(str(path), tuple(Step(tuple(files), partial(_all_parts, files), time) for time, files in ordered))
+    return SurfaceTimes(
+        str(path), tuple(SurfaceTime(tuple(files), partial(_all_parts, files), time) for time, files in ordered)
+    )
 
 
 def _all_parts(files: Sequence[Path]) -> list[RawSurface]:

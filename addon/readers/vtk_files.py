@@ -10,7 +10,7 @@ from typing import Any
 
 from ..model.errors import InputError
 from .raw_surface import RawSurface
-from .surface_field import Step, Steps
+from .surface_field import SurfaceTime, SurfaceTimes
 from .vtk_data import leaves, need_vtk, surface_part, vtk_errors
 
 XML = ("vtkIOXML", "vtkXMLGenericDataObjectReader")
@@ -33,15 +33,15 @@ EVERYTHING = (
 )
 
 
-def vtk_steps(path: Path) -> Steps:
+def vtk_times(path: Path) -> SurfaceTimes:
     """All times of one file. Raises InputError where VTK is missing or cannot read it."""
     need_vtk(str(path))
     with vtk_errors(str(path)):
         reader = _reader(path)
         times = _times(reader)
     if not times:
-        return Steps(str(path), (Step((path,), partial(_read, path, None)),))
-    return Steps(str(path), tuple(Step((path,), partial(_read, path, time), time) for time in times))
+        return SurfaceTimes(str(path), (SurfaceTime((path,), partial(_read, path, None)),))
+    return SurfaceTimes(str(path), tuple(SurfaceTime((path,), partial(_read, path, time), time) for time in times))
 
 
 def vtk_parts(path: Path) -> list[RawSurface]:

@@ -11,15 +11,20 @@ from . import objects
 @dataclass
 class RunningJob:
     title: str  #: "Solving", "Baking"
-    object_uid: int
+    object_uid: int | None  #: None for work that makes a new object
     name_at_begin: str
     fraction: float = 0.0  #: 0..1
     message: str = ""
     cancel_requested: bool = False
 
     def object(self) -> bpy.types.Object | None:
-        """What the job works for; None when it was deleted meanwhile."""
-        return objects.find(self.object_uid)
+        """What the job works for; None when it was deleted meanwhile, or is still to be made."""
+        return None if self.object_uid is None else objects.find(self.object_uid)
+
+    @property
+    def has_lost_object(self) -> bool:
+        """Whether what it works for was deleted meanwhile."""
+        return self.object_uid is not None and self.object() is None
 
     @property
     def object_name(self) -> str:
@@ -34,9 +39,10 @@ def current() -> RunningJob | None:
     return _current
 
 
-def begin(title: str, obj: bpy.types.Object) -> RunningJob:
+def begin(title: str, obj: bpy.types.Object | None, name: str = "") -> RunningJob:
+    """name: what work without an object is called."""
     global _current
-    _current = RunningJob(title, obj.session_uid, obj.name)
+    _current = RunningJob(title, None, name) if obj is None else RunningJob(title, obj.session_uid, obj.name)
     return _current
 
 

@@ -1,6 +1,10 @@
+#include <tbb/global_control.h>
+
 #include <exception>
+#include <optional>
 #include <string>
 
+#include "base/message.h"
 #include "base/progress.h"
 #include "bindings/bindings.h"
 
@@ -37,6 +41,20 @@ void setInputError(py::module_& m, const py::object& input) {
   m.attr("MeshError") = errorClass("MeshError", input, "The mesh is not an oriented 2-manifold of proper triangles.");
 }
 
+/// The largest number of threads of the core, while it is entered.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int count) : count_(count) {
+    if (count < 1) throw InputError(message("a limit of ", count, " threads; give at least 1"));
+  }
+  void enter() { control_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count_)); }
+  void exit() { control_.reset(); }
+
+ private:
+  int count_;
+  std::optional<tbb::global_control> control_;
+};
+
 }  // namespace
 
 void bind_base(py::module_& m) {
@@ -62,6 +80,14 @@ void bind_base(py::module_& m) {
       .def_property_readonly("fraction", &Progress::fraction, "Fraction of the work that is done, 0 to 1.")
       .def_property_readonly("cancelled", &Progress::cancelled, "Whether cancel() was called.")
       .def("cancel", &Progress::cancel, "Ask the worker to stop; it raises Cancelled within 0.1 s.");
+
+  py::class_<ThreadLimit>(m, "ThreadLimit", py::module_local(),
+                          "with ThreadLimit(count): the core uses that many threads at most, in all of the process. The\n"
+                          "results are the same for any number. Where limits meet, the smallest counts.")
+      .def(py::init<int>(), py::arg("count"))
+      .def(
+          "__enter__", [](ThreadLimit& limit) { limit.enter(); })
+      .def("__exit__", [](ThreadLimit& limit, const py::args&) { limit.exit(); });
 }
 
 }  // namespace stormfield::bindings

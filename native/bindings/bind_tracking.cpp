@@ -80,63 +80,58 @@ py::array_t<double> vectorArray(const Vec3& v) {
   return py::array_t<double>(3, v.data());
 }
 
-// Paths and bifurcations from plain values -----------------------------------------------------------
+// Paths and bifurcations from arrays -----------------------------------------------------------------
 
-Vec3 vectorFrom(const py::handle& values) {
-  const auto v = py::cast<std::array<double, 3>>(values);
-  return {v[0], v[1], v[2]};
+Vec3 vectorFrom(const ArrayArgument<double>& values, const char* name) {
+  const auto v = inputArray<double>(values, name, {3});
+  return {v.at(0), v.at(1), v.at(2)};
 }
 
-TrackedPath pathFrom(const py::dict& given) {
+/// A path of its own.
+PathView pathFrom(int index, BeginOfPath begin, EndOfPath end, double strength, double rotation,
+                  const ArrayArgument<double>& lambdas, const ArrayArgument<Index>& faces,
+                  const ArrayArgument<double>& barycentric, const ArrayArgument<double>& positions,
+                  const std::vector<FixedPointKind>& kinds) {
+  const auto lambda = inputArray<double>(lambdas, "lambdas", {kAny});
+  const py::ssize_t count = lambda.shape(0);
+  const auto face = inputArray<Index>(faces, "faces", {count});
+  const auto weights = inputArray<double>(barycentric, "barycentric", {count, 3});
+  const auto places = inputArray<double>(positions, "positions", {count, 3});
+  if (static_cast<py::ssize_t>(kinds.size()) != count) {
+    throw InputError(message("a path has ", count, " lambdas and ", kinds.size(), " kinds; give as many"));
+  }
   TrackedPath path;
-  path.index = py::cast<int>(given["index"]);
-  path.begin = static_cast<PathEnd>(py::cast<BeginOfPath>(given["begin"]));
-  path.end = static_cast<PathEnd>(py::cast<EndOfPath>(given["end"]));
-  path.strength = py::cast<double>(given["strength"]);
-  path.rotation = py::cast<double>(given["rotation"]);
-  const auto lambdas = py::cast<std::vector<double>>(given["lambdas"]);
-  const auto faces = py::cast<std::vector<Index>>(given["faces"]);
-  const auto barycentric = py::cast<std::vector<std::array<double, 3>>>(given["barycentric"]);
-  const auto positions = py::cast<std::vector<std::array<double, 3>>>(given["positions"]);
-  const auto kinds = py::cast<std::vector<FixedPointKind>>(given["kinds"]);
-  const std::size_t count = lambdas.size();
-  if (count == 0 || faces.size() != count || barycentric.size() != count || positions.size() != count ||
-      kinds.size() != count) {
-    throw InputError(message("a path has ", count, " lambdas and other numbers of faces, places or kinds"));
+  path.index = index;
+  path.begin = static_cast<PathEnd>(begin);
+  path.end = static_cast<PathEnd>(end);
+  path.strength = strength;
+  path.rotation = rotation;
+  for (py::ssize_t i = 0; i < count; ++i) {
+    const Vec3 in{weights.at(i, 0), weights.at(i, 1), weights.at(i, 2)};
+    const Vec3 at{places.at(i, 0), places.at(i, 1), places.at(i, 2)};
+    path.samples.push_back({lambda.at(i), {face.at(i), in}, at, kinds[i]});
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto& b = barycentric[i];
-    const auto& p = positions[i];
-    path.samples.push_back({lambdas[i], {faces[i], {b[0], b[1], b[2]}}, {p[0], p[1], p[2]}, kinds[i]});
-  }
-  path.kind = prevailingKind(path.samples);
-  return path;
+  return {std::make_shared<const Tracking>(makeTracking({std::move(path)}, {})), 0};
 }
 
-Bifurcation bifurcationFrom(const py::dict& given, std::size_t pathCount) {
+Bifurcation bifurcationFrom(double lambda, Index face, const ArrayArgument<double>& barycentric,
+                            const ArrayArgument<double>& position, BifurcationKind kind, FixedPointKind node,
+                            const std::vector<Index>& paths) {
+  if (paths.empty() || paths.size() > 2) throw InputError(message("a bifurcation names ", paths.size(), " paths"));
   Bifurcation event;
-  event.lambda = py::cast<double>(given["lam"]);
-  event.point = {py::cast<Index>(given["face"]), vectorFrom(given["barycentric"])};
-  event.position = vectorFrom(given["position"]);
-  event.kind = py::cast<BifurcationKind>(given["kind"]);
-  event.node = py::cast<FixedPointKind>(given["node"]);
-  const auto paths = py::cast<std::vector<Index>>(given["paths"]);
-  const std::size_t wanted = event.kind == BifurcationKind::Hopf ? 1 : 2;
-  if (paths.size() != wanted) throw InputError(message("a bifurcation names ", paths.size(), " paths, not ", wanted));
-  for (std::size_t k = 0; k < wanted; ++k) {
-    if (paths[k] < 0 || static_cast<std::size_t>(paths[k]) >= pathCount) {
-      throw InputError(message("a bifurcation names path ", paths[k], " of ", pathCount));
-    }
-    event.paths[k] = paths[k];
-  }
+  event.lambda = lambda;
+  event.point = {face, vectorFrom(barycentric, "barycentric")};
+  event.position = vectorFrom(position, "position");
+  event.kind = kind;
+  event.node = node;
+  std::copy(paths.begin(), paths.end(), event.paths.begin());
   return event;
 }
 
-std::shared_ptr<Tracking> trackingFrom(const std::vector<py::dict>& paths, const std::vector<py::dict>& bifurcations) {
-  auto result = std::make_shared<Tracking>();
-  for (const py::dict& path : paths) result->paths.push_back(pathFrom(path));
-  for (const py::dict& event : bifurcations) result->bifurcations.push_back(bifurcationFrom(event, paths.size()));
-  return result;
+std::shared_ptr<Tracking> trackingFrom(const std::vector<PathView>& paths, std::vector<Bifurcation> bifurcations) {
+  std::vector<TrackedPath> own;
+  for (const PathView& view : paths) own.push_back(view.path());
+  return std::make_shared<Tracking>(makeTracking(std::move(own), std::move(bifurcations)));
 }
 
 void bindMargins(py::module_& m) {
@@ -164,6 +159,10 @@ void bindMargins(py::module_& m) {
 
 void bindPath(py::module_& m) {
   py::class_<PathView>(m, "TrackedPath", py::module_local(), "One fixed point over lambda: k samples. Immutable.")
+      .def(py::init(&pathFrom), py::kw_only(), py::arg("index"), py::arg("begin"), py::arg("end"), py::arg("strength"),
+           py::arg("rotation"), py::arg("lambdas"), py::arg("faces"), py::arg("barycentric"), py::arg("positions"),
+           py::arg("kinds"),
+           "A path that joins others, without margins. Raises InputError for numbers that do not fit.")
       .def_property_readonly(
           "index", [](const PathView& v) { return v.path().index; }, "Poincare index, +1 or -1.")
       .def_property_readonly(
@@ -219,6 +218,9 @@ void bindPath(py::module_& m) {
 
 void bindBifurcation(py::module_& m) {
   py::class_<Bifurcation>(m, "Bifurcation", py::module_local(), "Where the topology changes. Immutable.")
+      .def(py::init(&bifurcationFrom), py::kw_only(), py::arg("lam"), py::arg("face"), py::arg("barycentric"),
+           py::arg("position"), py::arg("kind"), py::arg("node"), py::arg("paths"),
+           "One whose paths are numbers of a list that Tracking gets with it.")
       .def_readonly("lam", &Bifurcation::lambda, "Where on the lambda axis, 0 to 1.")
       .def_property_readonly(
           "face", [](const Bifurcation& b) { return b.point.face; }, "Face that holds the point.")
@@ -245,8 +247,7 @@ void bind_tracking(py::module_& m) {
   py::class_<Tracking, std::shared_ptr<Tracking>>(m, "Tracking", py::module_local(),
                                                   "The history of a field's fixed points over lambda. Immutable.")
       .def(py::init(&trackingFrom), py::arg("paths"), py::arg("bifurcations"),
-           "From paths and bifurcations as dicts of plain values, with the names of the members of TrackedPath and\n"
-           "Bifurcation. Raises InputError for numbers that do not fit.")
+           "From TrackedPaths and the Bifurcations that number them. Raises InputError that names one that does not fit.")
       .def_property_readonly(
           "paths", [](const std::shared_ptr<Tracking>& t) { return views(t); },
           "List of TrackedPath, in the order they begin.")

@@ -73,4 +73,10 @@ struct Tracking {
 /// The kind with the longest share of lambda; of equal ones the first in the order of the kinds.
 FixedPointKind prevailingKind(const std::vector<PathSample>& samples);
 
+/// A tracking put together from paths and bifurcations of others, such as those of windows of lambda. The kinds of the
+/// paths are found anew. Throws InputError that names the path or bifurcation: a path needs samples at finite lambda
+/// from 0 to 1 that do not go back, on faces, and the index +1 or -1; a creation or annihilation names two paths, a
+/// Hopf bifurcation one.
+Tracking makeTracking(std::vector<TrackedPath> paths, std::vector<Bifurcation> bifurcations);
+
 }  // namespace stormfield

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from modal import in_slices
 from stormfield.scene.read.attached import LAMBDA, attached_folder
 
 AXIS = np.array([3.0, -5.0, 8.0])
@@ -148,3 +149,80 @@ def test_the_command_line_bakes_an_imported_field_and_solves_nothing(native, win
     bpy.context.scene.frame_set(1)
     assert np.abs(shown(obj) - before).max() < 1e-6
     assert np.isfinite(shown(obj, "sf_phase_a")).all()
+
+
+def blocks():
+    """All that an import may leave."""
+    kinds = ("objects", "meshes", "curves", "materials", "actions", "cache_files", "node_groups")
+    return {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
+
+
+def test_in_the_window_it_works_in_slices_and_esc_leaves_nothing(native, wind):
+    """Esc after every number of slices, until one comes too late."""
+    from stormfield.operators.import_data import STORMFIELD_OT_import_data as IMPORT
+    from stormfield.session import running
+
+    before, options = blocks(), {"filepath": wind(land=True), "sphere_faces": 1280, "slice_seconds": 0.0}
+    stopped, messages = 0, []
+    while (end := in_slices(IMPORT, stop_after=stopped, messages=messages, **options)) == {"CANCELLED"}:
+        assert blocks() == before and running.current() is None
+        stopped += 1
+    assert end == {"FINISHED"} and stopped > 10
+    assert {"Opening wind.nc", "Reading time 2 of 3", "Making the mesh"} <= set(messages)
+    assert bpy.context.object.name == "wind" and bpy.context.object.stormfield.enabled
+
+
+def test_in_slices_and_in_one_call_it_makes_the_same(native, wind):
+    from stormfield.operators.import_data import STORMFIELD_OT_import_data as IMPORT
+
+    path = wind(land=True)
+    assert in_slices(IMPORT, filepath=path) == {"FINISHED"}
+    one = bpy.context.object
+    assert bpy.ops.stormfield.import_data(filepath=path) == {"FINISHED"}
+    two = bpy.context.object
+    assert (one.name, two.name) == ("wind", "wind.001")
+    assert np.array_equal(places(one), places(two)) and np.array_equal(shown(one), shown(two))
+    folders = [attached_folder(obj, LAMBDA) for obj in (one, two)]
+    assert folders[0].name == folders[1].name and folders[0].parent != folders[1].parent
+
+
+def test_faults_of_the_file_are_told_from_the_slices(native, tmp_path):
+    from stormfield.operators.import_data import STORMFIELD_OT_import_data as IMPORT
+
+    (tmp_path / "bad.t").write_text("nonsense")
+    reports = []
+    assert in_slices(IMPORT, filepath=str(tmp_path / "bad.t"), reports=reports) == {"CANCELLED"}
+    assert "does not begin" in reports[0] and not bpy.data.objects
+
+
+def test_undo_removes_all_of_it_in_one_step(native, wind):
+    bpy.ops.ed.undo_push(message="before")
+    before = blocks()
+    assert bpy.ops.stormfield.import_data(filepath=wind(land=True)) == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="after")
+    after = blocks()
+    bpy.ops.ed.undo()
+    assert blocks() == before
+    bpy.ops.ed.redo()
+    assert blocks() == after and np.isfinite(shown(bpy.data.objects["wind"])).all()
+
+
+def test_a_cache_of_other_polygons_than_triangles_is_shown(native, plane_of_quads):
+    """As Blender itself solves it: the cache holds the quads."""
+    folder = attached_folder(plane_of_quads, LAMBDA)
+    assert bpy.ops.stormfield.import_data(filepath=str(folder / "manifest.json")) == {"FINISHED"}
+    obj = bpy.context.object
+    assert obj != plane_of_quads
+    assert np.abs(shown(obj) - shown(plane_of_quads)).max() < 1e-6
+
+
+@pytest.fixture
+def plane_of_quads(native):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=6, y_subdivisions=6, size=2.0)
+    obj = bpy.context.object
+    attribute = obj.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+    flow = np.cross([0.0, 0.0, 1.0], places(obj))
+    flow[:, 0] += 0.2
+    attribute.data.foreach_set("vector", flow.astype(np.float32).ravel())
+    assert bpy.ops.stormfield.field_from_attribute(attribute="velocity") == {"FINISHED"}
+    return obj

@@ -46,8 +46,8 @@ def followed(mesh, lambdas, tangents):
 
 def part(mesh, lambdas, tangents, first, last):
     piece = slice(first, last + 1)
-    found = windows.window_json(followed(mesh, lambdas[piece], tangents[piece]), mesh, lambdas[piece], tangents[piece])
-    return json.loads(json.dumps(found))
+    found = windows.window_part(followed(mesh, lambdas[piece], tangents[piece]), mesh, lambdas[piece], tangents[piece])
+    return windows.part_from_json(json.loads(json.dumps(windows.part_to_json(found))))
 
 
 def described(found):

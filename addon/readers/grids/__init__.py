@@ -22,6 +22,7 @@ import numpy as np
 
 from ...model.errors import InputError
 from ...model.mesh_data import MeshData
+from ...work import Step, Steps, run, scaled
 from ..choice import Choice
 from ..field_data import FieldData, lambdas_of
 from ..geography import COMMON, Geography
@@ -35,10 +36,14 @@ from .surface import Grid, Resolution, Surface
 from .times import Times, decoded, times_of, within
 from .vocabulary import is_latitude, is_longitude, speed_of, unit
 
+#: Part of the steps in which times are read.
+SCANNED = 0.8
 
-def read_grid(path: Path, choice: Choice) -> FieldData:
+
+def grid_steps(path: Path, choice: Choice) -> Steps[FieldData]:
     """The field of a grid. Raises InputError that names the file, what is wrong and the cure."""
     where = str(path)
+    yield Step(0.0, f"Opening {path.name}")
     with open_grid(path) as dataset:
         variables = _outside_groups(dataset, where)
         pair = choose_pair(variables, choice.vector, where)
@@ -50,9 +55,10 @@ def read_grid(path: Path, choice: Choice) -> FieldData:
     components = Components(
         functools.partial(open_grid, path), pair, grid.dims, selection.fixed, selection.over, chosen, said.speed, where
     )
-    found = scan(components)
+    found = yield from scaled(scan(components), 0.0, SCANNED)
     if found.empty:
         raise InputError(f"{where}: {_labels(times, found.empty)} without any value; leave out with --times")
+    yield Step(SCANNED, "Making the mesh")
     surface = _surface(grid, found, choice, where)
     mesh = surface.mesh
     if surface.spherical:
@@ -80,7 +86,7 @@ def read_grid_mesh(path: Path) -> tuple[MeshData, Reading]:
         first = {str(dim): 0 for dim in variables[pair.east].dims if str(dim) not in horizontal}
         said = _said(variables, pair, dataset)
     opened = functools.partial(open_grid, path)
-    found = scan(Components(opened, pair, grid.dims, first, None, np.zeros(1, np.int64), said.speed, where))
+    found = run(scan(Components(opened, pair, grid.dims, first, None, np.zeros(1, np.int64), said.speed, where)))
     surface = _surface(grid, found, Choice(), where)
     return surface.mesh, Reading(tuple(map(str, files_of(path))), choices=said.choices)
 
@@ -232,4 +238,4 @@ def _info(name: str, variable) -> ArrayInfo:
     return ArrayInfo(name, " × ".join(f"{dim} {size}" for dim, size in variable.sizes.items()), 1, unit(variable))
 
 
-__all__ = ["is_grid", "read_grid", "read_grid_mesh", "vector_variables"]
+__all__ = ["grid_steps", "is_grid", "read_grid_mesh", "vector_variables"]

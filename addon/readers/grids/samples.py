@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Protocol, overload
 
 import numpy as np
 
 from ...model.errors import InputError
+from ...work import Step, Steps
 from ..field_data import check_numbers
 from .components import Pair
 from .missing import undeclared, without_declared
@@ -41,7 +43,15 @@ class Components:
     def __len__(self) -> int:
         return len(self.times)
 
-    def __getitem__(self, j: int) -> Sample:
+    @overload
+    def __getitem__(self, j: int) -> Sample: ...
+
+    @overload
+    def __getitem__(self, j: slice) -> Components: ...
+
+    def __getitem__(self, j: int | slice) -> Sample | Components:
+        if isinstance(j, slice):
+            return replace(self, times=self.times[j])
         with self.opened() as dataset:
             return self._read(dataset, j)[0]
 
@@ -78,6 +88,32 @@ class Components:
 
 
 @dataclass(frozen=True, eq=False)
+class Kept:
+    """Components that are in memory. A process that they are sent to reads them itself."""
+
+    components: Components
+    samples: Sequence[Sample]
+
+    def __len__(self) -> int:
+        return len(self.samples)
+
+    @overload
+    def __getitem__(self, j: int) -> Sample: ...
+
+    @overload
+    def __getitem__(self, j: slice) -> Kept: ...
+
+    def __getitem__(self, j: int | slice) -> Sample | Kept:
+        return Kept(self.components[j], self.samples[j]) if isinstance(j, slice) else self.samples[j]
+
+    def __iter__(self) -> Iterator[Sample]:
+        return iter(self.samples)
+
+    def __reduce__(self):
+        return copy.copy, (self.components,)
+
+
+@dataclass(frozen=True, eq=False)
 class Scan:
     """What all samples say together. samples: the same components, in memory where they are small. valid: where none
     misses its value."""
@@ -91,7 +127,7 @@ class Scan:
     empty: tuple[int, ...]  #: samples without any value
 
 
-def scan(components: Components) -> Scan:
+def scan(components: Components) -> Steps[Scan]:
     """Reads every sample once, one after another."""
     always, ever, zero, first = None, None, None, None
     largest = np.zeros(1)
@@ -99,6 +135,7 @@ def scan(components: Components) -> Scan:
     empty: list[int] = []
     kept: list[Sample] | None = []
     for j, ((u, v), found) in enumerate(components.with_marks()):
+        yield Step((j + 1) / len(components), f"Reading time {j + 1} of {len(components)}")
         first = (u, v) if first is None else first
         if kept is not None:
             kept = [*kept, (u, v)] if (j + 1) * 2 * u.size < KEPT_NUMBERS else None
@@ -116,7 +153,7 @@ def scan(components: Components) -> Scan:
         raise InputError(f"{components.where}: no value is finite and possible as a speed; nothing is left to analyze")
     check_numbers(f"{components.where}: ", "field", np.where(always, largest, 0.0))
     varying = int((ever & ~always).sum())
-    samples = components if kept is None else kept
+    samples = components if kept is None else Kept(components, kept)
     return Scan(samples, first, always, tuple(sorted(marks)), varying, int(zero.sum()), tuple(empty))
 
 
@@ -125,7 +162,11 @@ class Collection(Protocol):
 
     def __len__(self) -> int: ...
 
+    @overload
     def __getitem__(self, j: int, /) -> Sample: ...
+
+    @overload
+    def __getitem__(self, j: slice, /) -> Collection: ...
 
     def __iter__(self) -> Iterator[Sample]: ...
 
@@ -144,7 +185,15 @@ class GridSamples:
     def __len__(self) -> int:
         return len(self.samples)
 
-    def __getitem__(self, j: int) -> np.ndarray:
+    @overload
+    def __getitem__(self, j: int) -> np.ndarray: ...
+
+    @overload
+    def __getitem__(self, j: slice) -> GridSamples: ...
+
+    def __getitem__(self, j: int | slice) -> np.ndarray | GridSamples:
+        if isinstance(j, slice):
+            return replace(self, samples=self.samples[j])
         if not -len(self) <= j < len(self):
             raise IndexError(j)
         return self.surface.vectors(*self.samples[j % len(self)])

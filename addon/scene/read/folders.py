@@ -76,12 +76,24 @@ def folder_name(obj: bpy.types.Object) -> str:
     """The name of an object's folder: the one it has since its first solve, else one that no other object has."""
     if obj.stormfield.cache_name:
         return obj.stormfield.cache_name
-    others = [other for other in bpy.data.objects if other != obj and other.type == "MESH" and other.stormfield.enabled]
+    return _free_name(obj.name, [other for other in _with_field() if other != obj])
+
+
+def root_of_new(name: str) -> Path:
+    """The folder of all caches that an object of this name will have, which is not there yet."""
+    return file_base(bpy.data.filepath) / _free_name(name, _with_field())
+
+
+def _with_field() -> list[bpy.types.Object]:
+    return [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.stormfield.enabled]
+
+
+def _free_name(own: str, others: list[bpy.types.Object]) -> str:
     taken = {_alike(other.stormfield.cache_name) for other in others}
     # Blender keeps names apart that differ in capitals; not every file system does.
-    if any(_alike(other.name) == _alike(obj.name) and other.name < obj.name for other in others):
-        taken.add(_alike(file_name(obj.name)))
-    return next(name for name in _names(obj.name) if _alike(name) not in taken)
+    if any(_alike(other.name) == _alike(own) and other.name < own for other in others):
+        taken.add(_alike(file_name(own)))
+    return next(name for name in _names(own) if _alike(name) not in taken)
 
 
 def file_name(name: str) -> str:

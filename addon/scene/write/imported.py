@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import itertools
+
 import bpy
 import numpy as np
 
 from ...cache.field_cache import FieldCache
+from ...model.mesh_data import MeshData
 from ...readers import FieldData, SceneScale
 
 #: Radius of the ground below a globe with coasts, and of their curve, over that of the globe.
@@ -15,19 +18,30 @@ GROUND, COAST = 0.998, 1.001
 READ = "stormfield_read"
 
 
-def add_object(context: bpy.types.Context, name: str, data: FieldData, scale: SceneScale) -> bpy.types.Object:
-    """The mesh of the data, active and selected, with its coasts where a globe has some."""
-    obj = _add_mesh(context, name, scale.lengths * data.mesh.vertices, data.mesh.triangles)
+def free_name(name: str) -> str:
+    """The name that Blender will give to a new object for which this is wished."""
+    names = itertools.chain([name], (f"{name}.{number:03}" for number in itertools.count(1)))
+    return next(name for name in names if name not in bpy.data.objects)
+
+
+def scene_mesh(data: FieldData, scale: SceneScale) -> MeshData:
+    """The mesh of the data as an object will have it: in the scene's size and Blender's precision."""
+    return MeshData((scale.lengths * data.mesh.vertices).astype(np.float32), data.mesh.triangles)
+
+
+def add_object(context: bpy.types.Context, name: str, mesh: MeshData, data: FieldData) -> bpy.types.Object:
+    """mesh: of scene_mesh(). Active and selected, with its coasts where a globe has some."""
+    obj = _add_mesh(context, name, mesh)
     if data.geography is not None and data.geography.spherical:
-        loops = boundary_loops(data.mesh.triangles)
+        loops = boundary_loops(mesh.triangles)
         if loops:
-            _add_coasts(obj, scale.lengths * data.mesh.vertices, loops)
+            _add_coasts(obj, mesh.vertices, loops)
     return obj
 
 
 def add_cache_object(context: bpy.types.Context, cache: FieldCache) -> bpy.types.Object:
     """The mesh of a λ cache, with the polygons of the artist."""
-    return _add_mesh(context, cache.folder.parent.name, cache.mesh.vertices, cache.mesh.triangles)
+    return _add_mesh(context, cache.folder.parent.name, cache.mesh)
 
 
 def remember(obj: bpy.types.Object, data: FieldData) -> None:
@@ -55,9 +69,15 @@ def boundary_loops(triangles: np.ndarray) -> list[np.ndarray]:
     return loops
 
 
-def _add_mesh(context: bpy.types.Context, name: str, vertices: np.ndarray, triangles: np.ndarray) -> bpy.types.Object:
+def _add_mesh(context: bpy.types.Context, name: str, data: MeshData) -> bpy.types.Object:
     mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(vertices.astype(np.float32), [], triangles)
+    mesh.vertices.add(len(data.vertices))
+    mesh.vertices.foreach_set("co", data.vertices.astype(np.float32).ravel())
+    mesh.loops.add(data.triangles.size)
+    mesh.loops.foreach_set("vertex_index", data.triangles.ravel())
+    mesh.polygons.add(len(data.triangles))
+    mesh.polygons.foreach_set("loop_start", np.arange(0, data.triangles.size, 3, dtype=np.int32))
+    mesh.update(calc_edges=True)
     mesh.shade_smooth()
     obj = bpy.data.objects.new(name, mesh)
     context.scene.collection.objects.link(obj)
