@@ -115,7 +115,12 @@ def result_of(job: Job[Result], start: float, message: str, end: float = 1.0) ->
                 job.cancel()
         return job.result()
     finally:
-        _ending[:] = [ending for ending in _ending if not ending.done]
-        if not job.done:
-            job.cancel()
-            _ending.append(job)
+        abandon(job)
+
+
+def abandon(job: Job[Result]) -> None:
+    """Cancels a job that nobody waits for any more, and does not wait until it has ended."""
+    _ending[:] = [ending for ending in _ending if not ending.done]
+    if not job.done:
+        job.cancel()
+        _ending.append(job)

@@ -19,7 +19,6 @@ from .. import native
 from ..cache import fields
 from ..cache.field_cache import FieldCacheWriter
 from ..cache.plan import MeshIdentity, Plan
-from ..cache.rotation import Rotation
 from ..model.manifold import Manifold, manifold
 from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
@@ -76,24 +75,17 @@ class _Surface:
     def __init__(self, part: Manifold) -> None:
         self.part = part
         self.mesh = fields.native_mesh(part.mesh)
-        self.rotation = Rotation(self.mesh)
 
-    def field(self, vectors: np.ndarray) -> native.VectorField:
-        """(n, 3) at the vertices of the mesh."""
-        return native.VectorField.from_space(self.mesh, self.part.to_surface(np.asarray(vectors, np.float64)))
+    def one(self, vectors: np.ndarray) -> native.ParameterizedField:
+        """A field of one sample, from (n, 3) at the vertices of the mesh."""
+        field = native.VectorField.from_space(self.mesh, self.part.to_surface(np.asarray(vectors, np.float64)))
+        return native.ParameterizedField(self.mesh, np.zeros(1), np.asarray(field.values)[None])
 
 
 def _attributes(surface: _Surface, vectors: np.ndarray, turns: np.ndarray | None) -> Steps[dict[str, np.ndarray]]:
     """What a λ cache holds of one λ."""
-    field = surface.field(vectors)
-    tangent = field.to_space()
-    one = native.ParameterizedField(surface.mesh, np.zeros(1), np.asarray(field.values)[None])
-    stream = yield from result_of(native.start_stream_functions(one), 0.0, "Finding the stream function")
-    attributes = {
-        fields.ORIENTATION: tangent if turns is None else surface.field(turns).to_space(),
-        fields.ADVECTION: tangent,
-        fields.SPEED: np.linalg.norm(tangent, axis=1),
-        fields.STREAM: stream[0],
-        fields.ROTATION: surface.rotation.of(tangent),
-    }
-    return {name: np.asarray(surface.part.to_mesh(values), np.float32) for name, values in attributes.items()}
+    advection = surface.one(vectors)
+    orientation = advection if turns is None else surface.one(turns)
+    job = native.start_field_attributes(orientation, advection, 0, 1)
+    found = yield from result_of(job, 0.0, "Finding the stream function")
+    return {name: surface.part.to_mesh(values[0]) for name, values in fields.values_of(found).items()}

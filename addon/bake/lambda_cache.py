@@ -18,19 +18,21 @@ from ..cache import fields
 from ..cache.field_cache import FieldCacheWriter, open_cache
 from ..cache.layout import MANIFEST
 from ..cache.plan import MeshIdentity, Plan
+from ..cache.usd import usd
 from ..model.design import Design
 from ..model.meetings import joined
 from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
-from ..solve import SolverState, start_solve
+from ..solve import Solution, SolverState, start_solve
+from ..solve.surface import SolveSurface
 from ..version import VERSION
-from ..work import Step, Steps, result_of, scaled
+from ..work import Step, Steps, abandon, result_of, scaled
 from .edited import edited_solution, write_outcomes
 from .reuse import Reuse
 from .unfinished import unfinished
 
-#: Where the solve ends, the edits, and the stream functions, after which writing begins, in the fractions of all steps.
-SOLVE_END, EDIT_END, STREAM_END = 0.65, 0.75, 0.85
+#: Where the solve ends, and the edits, after which writing begins, in the fractions of all steps.
+SOLVE_END, EDIT_END = 0.6, 0.7
 #: Setting of a λ cache whose solve started from an earlier solution.
 WARM_STARTED = {"start": "last solution"}
 
@@ -45,6 +47,7 @@ def solve_steps(
     resume: bool = True,
     state: SolverState | None = None,
     reuse: Reuse | None = None,
+    surface: SolveSurface | None = None,
 ) -> Steps[Path]:
     """Solves a design into its λ cache, root/lambda-<key>, or `folder`; returns that folder.
 
@@ -52,6 +55,7 @@ def solve_steps(
     state: while an artist edits, each solve starts from the last one. Its bytes then depend on the edits before, so
     such a cache says so in its settings and has a folder of its own; bake_steps solves it from zero before it bakes.
     reuse: what earlier calls left, so that a design with other edits alone is not solved again.
+    surface: of the mesh with the design's settings, where it is known.
     Ends of paths that nearly meet are joined, and a note says so.
     """
     reuse = reuse or Reuse()
@@ -74,7 +78,7 @@ def solve_steps(
         if joins:
             yield Step(0.0, "Solving", notes=joins)
         if not known or reuse.solution is None:
-            solution = yield from result_of(start_solve(mesh, design, state), 0.0, "Solving", SOLVE_END)
+            solution = yield from scaled(_solution(mesh, design, state, surface), 0.0, SOLVE_END)
             reuse.keep(unedited, solution, warm=warm)
         else:
             solution = reuse.solution
@@ -82,13 +86,24 @@ def solve_steps(
         solution = edited.solution
         if design.edits:
             write_outcomes(target, edited.outcomes)
-        streams = native.start_stream_functions(solution.fields["advection"])
-        stream = yield from result_of(streams, EDIT_END, "Finding the stream functions", STREAM_END)
-        yield Step(STREAM_END, "Writing the samples", notes=(*solution.notes, *edited.notes))
-        samples = fields.attributes_of(solution, stream, range(len(lambdas)))
-        yield from scaled(writer.write_all(samples), STREAM_END, 1.0)
+        yield Step(EDIT_END, "Writing the samples", notes=(*solution.notes, *edited.notes))
+        yield from scaled(writer.write_all(fields.attributes_of(solution)), EDIT_END, 1.0)
     yield from scaled(writer.finish(), 1.0, 1.0)
     return target
+
+
+def _solution(
+    mesh: MeshData, design: Design, state: SolverState | None, surface: SolveSurface | None
+) -> Steps[Solution]:
+    """Solves. Meanwhile the core makes what stream functions need, and Python imports USD."""
+    surface = surface or (state or SolverState()).surface_of(mesh, design.settings)
+    solving = start_solve(mesh, design, state, surface)
+    factor = native.start_stream_factor(surface.solved)
+    try:
+        usd()
+        return (yield from result_of(solving, 0.0, "Solving"))
+    finally:
+        abandon(factor)
 
 
 def lambda_plan(mesh: MeshData, design: Design) -> Plan:

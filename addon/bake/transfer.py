@@ -25,13 +25,13 @@ from ..model.polygons import Polygons
 from ..solve import Solution
 from ..solve.carried import Carried
 from ..version import VERSION
-from ..work import Step, Steps, result_of, scaled
+from ..work import Step, Steps, scaled
 from .unfinished import unfinished
 
 #: Parts of the new mesh that nowhere come closer to the old one than this part of its diagonal have no field.
 AWAY = 0.05
 #: Where reading ends and writing begins, in the fractions of all steps.
-READ_END, STREAM_END = 0.4, 0.5
+READ_END = 0.4
 
 
 def transfer_steps(cache: FieldCache, mesh: MeshData, root: Path, polygons: Polygons | None = None) -> Steps[Path]:
@@ -42,11 +42,8 @@ def transfer_steps(cache: FieldCache, mesh: MeshData, root: Path, polygons: Poly
     missing = yield from unfinished(writer, range(len(plan.times)))
     if missing:
         solution = yield from scaled(_carried(cache, mesh), 0.0, READ_END)
-        streams = native.start_stream_functions(solution.fields["advection"])
-        stream = yield from result_of(streams, READ_END, "Finding the stream functions", STREAM_END)
-        yield Step(STREAM_END, "Writing the samples", notes=solution.notes)
-        samples = fields.attributes_of(solution, stream, range(len(plan.times)))
-        yield from scaled(writer.write_all(samples), STREAM_END, 1.0)
+        yield Step(READ_END, "Writing the samples", notes=solution.notes)
+        yield from scaled(writer.write_all(fields.attributes_of(solution)), READ_END, 1.0)
     yield from scaled(writer.finish(), 1.0, 1.0)
     return target
 

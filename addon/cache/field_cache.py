@@ -16,7 +16,7 @@ promises, in store.py.
 
 import itertools
 import os
-from collections.abc import Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -85,11 +85,17 @@ class _Writer:
         """Joins the samples, then writes the manifest. False while samples are missing. verify: reads them all."""
         return with_message(self._store.finish(verify=verify), "Joining the samples")
 
-    def write_all(self, samples: Iterable[Attributes]) -> Steps[None]:
-        """Writes all samples at once, in order, and finishes the cache: the same files as one by one, sooner. Nothing
-        is kept where the steps are closed before their end."""
-        checked = (self._checked(index, attributes) for index, attributes in enumerate(samples))
+    def write_all(self, samples: Iterable[Attributes | None]) -> Steps[None]:
+        """Writes all samples at once, in order, and finishes the cache: the same files as one by one, sooner. None for
+        a sample that is not there yet. Nothing is kept where the steps are closed before their end."""
+        checked = self._all_checked(samples)
         return with_message(self._store.write_all(partial(self._write_stage, checked)), "Writing the samples")
+
+    def _all_checked(self, samples: Iterable[Attributes | None]) -> Iterator[Attributes | None]:
+        index = 0
+        for attributes in samples:
+            yield None if attributes is None else self._checked(index, attributes)
+            index += attributes is not None
 
     def _checked(self, index: int, attributes: Attributes) -> Attributes:
         for name, values in attributes.items():
@@ -99,7 +105,7 @@ class _Writer:
     def _join_samples(self, path: Path) -> Generator[float]:
         return self._write_stage((usd.read_sample(self.folder / name) for name in self._plan.names), path)
 
-    def _write_stage(self, samples: Iterable[Attributes], path: Path) -> Generator[float]:
+    def _write_stage(self, samples: Iterable[Attributes | None], path: Path) -> Generator[float]:
         return usd.write_stage(path, self._mesh, self._polygons, self._time_codes, samples)
 
     def _extract(self, index: int, path: Path) -> None:

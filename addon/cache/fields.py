@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Between the solver's fields and the attributes of a cache."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Protocol
 
 import numpy as np
 
@@ -9,8 +12,8 @@ from .. import native
 from ..model.design import FieldName, SolveSettings
 from ..model.manifold import Manifold, manifold
 from ..model.mesh_data import MeshData
+from ..work import abandon
 from .field_cache import FieldCache
-from .rotation import Rotation
 from .usd import per_polygon
 
 ORIENTATION, ADVECTION, SPEED, STREAM = "sf_orientation", "sf_advection", "sf_speed", "sf_stream"
@@ -19,19 +22,54 @@ ROTATION = "sf_rotation"
 ATTRIBUTES = (ORIENTATION, ADVECTION, SPEED, STREAM, ROTATION)
 #: Attribute of each of the two fields.
 ATTRIBUTE: Mapping[FieldName, str] = {"orientation": ORIENTATION, "advection": ADVECTION}
+#: Samples whose attributes are found together.
+BLOCK = 16
+#: Seconds that are waited for them at once.
+PATIENCE = 0.01
 
 
-def attributes_of(solution, stream: np.ndarray, indices: Iterable[int]) -> Iterator[dict[str, np.ndarray]]:
-    """The vertex attributes of these samples of a Solution, float32; stream: (s, n), of its advection field."""
-    rotation = Rotation(solution.fields["advection"].mesh)
-    return (_attributes(solution, stream[index], rotation, index) for index in indices)
+class Solved(Protocol):
+    """What is written of a solve: its fields by name, and the way from their surface to the mesh."""
+
+    @property
+    def lambdas(self) -> np.ndarray: ...
+    @property
+    def fields(self) -> Mapping[FieldName, native.ParameterizedField]: ...
+    def to_mesh(self, values: np.ndarray) -> np.ndarray: ...
 
 
-def _attributes(solution, stream: np.ndarray, rotation: Rotation, index: int) -> dict[str, np.ndarray]:
-    vectors = {attribute: solution.fields[name].sample(index).to_space() for name, attribute in ATTRIBUTE.items()}
-    speed = np.sqrt(np.einsum("ij,ij->i", vectors[ADVECTION], vectors[ADVECTION]))
-    attributes = {**vectors, SPEED: speed, STREAM: stream, ROTATION: rotation.of(vectors[ADVECTION])}
-    return {name: np.asarray(solution.to_mesh(values), np.float32) for name, values in attributes.items()}
+def attributes_of(solution: Solved) -> Iterator[dict[str, np.ndarray] | None]:
+    """The vertex attributes of all samples of a solve in order, float32; None while the next ones are not there yet.
+    The core finds those of the next block while the caller writes one."""
+    count = len(solution.lambdas)
+    orientation, advection = (solution.fields[name] for name in ATTRIBUTE)
+    blocks = (
+        native.start_field_attributes(orientation, advection, first, min(BLOCK, count - first))
+        for first in range(0, count, BLOCK)
+    )
+    job = next(blocks, None)
+    try:
+        while job is not None:
+            while not job.wait(PATIENCE):
+                yield None
+            found, job = job.result(), next(blocks, None)
+            values = values_of(found)
+            for sample in range(len(found.speed)):
+                yield {name: solution.to_mesh(each[sample]) for name, each in values.items()}
+    finally:
+        if job is not None:
+            abandon(job)
+
+
+def values_of(found: native.FieldAttributes) -> dict[str, np.ndarray]:
+    """The values of some samples by attribute: (k, n, 3) or (k, n)."""
+    return {
+        ORIENTATION: found.orientation,
+        ADVECTION: found.advection,
+        SPEED: found.speed,
+        STREAM: found.stream,
+        ROTATION: found.rotation,
+    }
 
 
 def native_mesh(mesh: MeshData):

@@ -93,10 +93,10 @@ def write_stage(
     mesh: MeshData,
     polygons: Polygons | None,
     time_codes: Sequence[float],
-    samples: Iterable[Attributes],
+    samples: Iterable[Attributes | None],
 ) -> Generator[float]:
-    """STAGE: the mesh, and its samples at increasing time codes. Yields the fraction that is written. Memory holds few
-    samples at a time; equal input gives equal bytes."""
+    """STAGE: the mesh, and its samples at increasing time codes; None for one that is not there yet. Yields the
+    fraction that is written. Memory holds few samples at a time; equal input gives equal bytes."""
     pxr = usd()
     with _system_errors(path):
         layer = pxr.Sdf.Layer.CreateNew(str(path))
@@ -108,14 +108,17 @@ def write_stage(
         stage.SetEndTimeCode(time_codes[-1])
         stage.SetDefaultPrim(stage.DefinePrim(ROOT, "Scope"))
         primvars = pxr.UsdGeom.PrimvarsAPI(_define_mesh(stage, mesh, polygons))
-        held = 0
-        for done, (time_code, attributes) in enumerate(zip(time_codes, samples, strict=True), start=1):
-            _set(primvars, time_code, attributes)
-            held += sum(values.nbytes for values in attributes.values())
+        held, waiting = 0, list(reversed(time_codes))
+        for attributes in samples:
+            if attributes is not None:
+                _set(primvars, waiting.pop(), attributes)
+                held += sum(values.nbytes for values in attributes.values())
             if held >= BUFFER:
                 layer.Save()
                 held = 0
-            yield done / len(time_codes)
+            yield 1.0 - len(waiting) / len(time_codes)
+        if waiting:
+            raise ValueError(f"{len(waiting)} of {len(time_codes)} samples are missing")
         layer.Save()
 
 

@@ -7,21 +7,17 @@ of that went well it enters the list and the new field is shown; otherwise every
 
 import math
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from ..analysis.entities import EntityGraph
 from ..analysis.steps import ecg_steps
 from ..bake.edited import read_outcomes
-from ..bake.lambda_cache import solve_steps
 from ..cache.field_cache import open_cache
 from ..cache.fields import ATTRIBUTE
 from ..model.edits import Edit, EntityAt, edits_from_json
 from ..model.errors import InputError
-from ..scene.read import folders
 from ..scene.read.design import read_design
-from ..scene.read.mesh import read_polygons
 from ..scene.read.sample import Sample
 from ..scene.write import analysis_objects
 from ..scene.write.edits import add_edit
@@ -68,9 +64,7 @@ class EditOperator(solve.SolvingOperator):
         self._analysis = (ecg.lam, ecg.shown_field) if ecg.made else None
         self._known = [(item.name, EntityAt(item.kind, tuple(item.position))) for item in ecg.items]
         mesh, design = read_design(context, obj)
-        root = folders.cache_root(obj)
-        self._before = made_caches.existing(root)
-        solves = partial(solve_steps, mesh, root=root, polygons=read_polygons(obj), **solve.kept_of(obj))
+        solves = self.solver(obj, mesh, design.settings)
         return self._edited(design, Sample(obj, mesh, field.lam, self._attribute), solves)
 
     def finish(self, context, obj, result):

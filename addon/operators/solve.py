@@ -1,18 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solve: read the scene, solve over mesh × λ, write the λ cache and attach it to the object."""
 
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
 import bpy
 
 from ..analysis.doubts import doubts_of
 from ..bake.lambda_cache import solve_steps
-from ..cache.fields import native_mesh, on_surface
-from ..model.manifold import manifold
+from ..cache.fields import on_surface
+from ..model.design import Design, SolveSettings
+from ..model.mesh_data import MeshData
 from ..scene.read import folders
 from ..scene.read.design import read_design
 from ..scene.read.mesh import read_polygons
 from ..scene.write import attach, doubts
 from ..scene.write.edits import show_outcomes
 from ..session import found_caches, freshness, made_caches, solver_state
+from ..solve import SolverState
+from ..work import Steps
 from . import requirements
 from .doubts import solved_fields
 from .job_operator import JobOperator
@@ -41,9 +48,15 @@ class SolvingOperator(JobOperator):
     def start(self, context, obj):
         mesh, design = self._solves = read_design(context, obj)
         self._read = freshness.read(obj)
+        return self.solver(obj, mesh, design.settings)(design)
+
+    def solver(self, obj, mesh: MeshData, settings: SolveSettings) -> Callable[[Design], Steps[Path]]:
+        """What gives the steps that solve a design with these settings into the object's caches."""
+        kept = kept_of(obj)
+        self._surface = (kept.get("state") or SolverState()).surface_of(mesh, settings)
         root = folders.cache_root(obj)
         self._before = made_caches.existing(root)
-        return solve_steps(mesh, design, root, read_polygons(obj), **kept_of(obj))
+        return partial(solve_steps, mesh, root=root, polygons=read_polygons(obj), surface=self._surface, **kept)
 
     def finish(self, _context, obj, folder):
         attach.show_solved(obj, folder)
@@ -57,9 +70,9 @@ class SolvingOperator(JobOperator):
     def _tell_doubts(self, obj):
         """Keep for the panel, and say, what the artist should know of the result."""
         mesh, design = self._solves
-        surface = manifold(mesh, design.settings.weld)
+        surface = self._surface.manifold
         fields = on_surface(solved_fields(obj, mesh), surface)
-        found = doubts_of(native_mesh(surface.mesh), design, fields, surface.remarks)
+        found = doubts_of(self._surface.coarse, design, fields, surface.remarks)
         doubts.keep(obj, found)
         for doubt in doubts.read(obj):
             if doubt.kind not in {"no_element", "faults"}:  # which the solver has told already

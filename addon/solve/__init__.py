@@ -15,11 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import native
-from ..model.design import FIELDS, Design, Element, FieldName
-from ..model.manifold import manifold
+from ..model.design import FIELDS, Design, Element, FieldName, SolveSettings
 from ..model.mesh_data import MeshData
-from ..model.refinement import refined
 from .carried import Carried
+from .surface import SolveSurface
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,55 +38,55 @@ class Solution:
 
 
 class SolverState:
-    """What solves leave for the next one on the same mesh: its hierarchy, last solutions and buffers.
+    """What solves leave for the next one on the same mesh: its surface, hierarchy, factor, last solutions and buffers.
 
     With it an edit costs about half a solve. The field then agrees with one solved from zero to the tolerance, but not
-    to the bit: it depends on the edits before. Some 40 to 60 bytes per vertex and λ sample for each field.
+    to the bit: it depends on the edits before. Some 40 to 60 bytes per vertex and λ sample for each field, and
+    half a kilobyte per vertex.
     """
 
     def __init__(self) -> None:
         self._native: native.SolverState | None = None
-        self._mesh: native.TriangleMesh | None = None
-        self._surface: MeshData | None = None
-        self._fingerprint = ""
+        self._surface: SolveSurface | None = None
 
     def holds(self, mesh: MeshData) -> bool:
         """Whether a solve on this mesh would start from an earlier one."""
-        return self._native is not None and self._fingerprint == mesh.fingerprint()
+        return self._surface is not None and self._surface.is_of(mesh)
 
     def clear(self) -> None:
         """Give the memory back."""
-        self._native = self._mesh = self._surface = None
+        self._native = self._surface = None
 
-    def of(self, mesh: MeshData, surface: MeshData) -> tuple[native.TriangleMesh, native.SolverState]:
-        """The native mesh of a surface in `mesh`, and the state for a solve on it; new ones where this state is of
-        another mesh or surface."""
+    def surface_of(self, mesh: MeshData, settings: SolveSettings) -> SolveSurface:
+        """What of the mesh is solved on: that of the last solve where it is the same."""
         known = self._surface
-        same = known is not None and (known is surface or known.fingerprint() == surface.fingerprint())
-        if self._native is None or self._mesh is None or not (same and self.holds(mesh)):
+        return known if known is not None and known.is_made(mesh, settings) else SolveSurface(mesh, settings)
+
+    def of(self, surface: SolveSurface) -> native.SolverState:
+        """The state for a solve on this surface; a new one where this state is of another."""
+        known = self._surface
+        if self._native is None or known is None or not known.is_same(surface):
             self._native = native.SolverState()
-            self._mesh = native.TriangleMesh(surface.vertices, surface.triangles)
-            self._fingerprint, self._surface = mesh.fingerprint(), surface
-        return self._mesh, self._native
+        else:
+            surface.solved = known.solved  # what the state belongs to
+        self._surface = surface
+        return self._native
 
 
 class SolveJob:
     """A running solve. A job that is dropped is cancelled."""
 
-    def __init__(self, mesh: MeshData, design: Design, state: SolverState | None = None) -> None:
+    def __init__(self, surface: SolveSurface, design: Design, state: SolverState) -> None:
         design.check()
-        self._fingerprint = mesh.fingerprint()
         self._solves = _distinct(design)
         native.check()
-        self._manifold = manifold(mesh, design.settings.weld)
-        solved = refined(self._manifold.mesh, design.settings.edge)
-        surface, kept = (state or SolverState()).of(mesh, solved)
+        kept = state.of(surface)
         lists = [[_native_element(element) for element in elements] for _, elements in self._solves]
         for elements in lists:
             native.check_elements(elements)
-        self._mesh = surface
+        self._surface = surface
         self._job = native.start_solve_design(
-            surface,
+            surface.solved,
             lists,
             samples=design.settings.samples,
             lambda_weight=design.settings.lambda_weight,
@@ -123,18 +122,23 @@ class SolveJob:
                 iterations[name] = result.iterations
             without[names] = result.components_without_constraint
         lambdas = np.array(fields[FIELDS[0]].lambdas)
-        carried = Carried(self._manifold, self._mesh, sorted({part for parts in without.values() for part in parts}))
+        parts_without = sorted({part for parts in without.values() for part in parts})
+        carried = Carried(self._surface.manifold, self._surface.solved, parts_without)
         notes = [note for names, parts in without.items() if (note := carried.without_field(names, parts))]
         notes += [line for line in (carried.line(),) if line]
-        return Solution(lambdas, fields, self._fingerprint, tuple(notes), iterations, carried)
+        return Solution(lambdas, fields, self._surface.mesh.fingerprint(), tuple(notes), iterations, carried)
 
 
-def start_solve(mesh: MeshData, design: Design, state: SolverState | None = None) -> SolveJob:
-    """Starts to solve both fields: from zero, or from what the last solve on this mesh left in `state`.
+def start_solve(
+    mesh: MeshData, design: Design, state: SolverState | None = None, surface: SolveSurface | None = None
+) -> SolveJob:
+    """Starts to solve both fields: from zero, or from what the last solve on this mesh left in `state`. surface: of the
+    mesh with the design's settings, where it is known.
 
     Raises InputError at once for faults that need no solve; the others come from the job's result().
     """
-    return SolveJob(mesh, design, state)
+    kept = state or SolverState()
+    return SolveJob(surface or kept.surface_of(mesh, design.settings), design, kept)
 
 
 def solve(mesh: MeshData, design: Design, state: SolverState | None = None) -> Solution:

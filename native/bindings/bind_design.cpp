@@ -134,7 +134,12 @@ void bind_design(py::module_& m) {
 
   py::class_<SolvedField, std::shared_ptr<SolvedField>>(m, "SolvedField", py::module_local(),
                                                         "A solved field and how the solve went.")
-      .def_readonly("field", &SolvedField::field, "ParameterizedField.")
+      .def_property_readonly(
+          "field",
+          [](const std::shared_ptr<SolvedField>& solved) {
+            return std::shared_ptr<ParameterizedFieldHandle>(solved, &solved->field);
+          },
+          "ParameterizedField.")
       .def_readonly("iterations", &SolvedField::iterations, "Of the Krylov method.")
       .def_readonly("residual", &SolvedField::residual, "True relative residual.")
       .def_readonly("error", &SolvedField::error,

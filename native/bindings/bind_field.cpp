@@ -76,7 +76,8 @@ void bind_field(py::module_& m) {
       .def("poincare_indices", &indices,
            "(m,) int32: index per face; on a closed mesh they add up to the Euler characteristic.");
 
-  py::class_<ParameterizedFieldHandle>(m, "ParameterizedField", py::module_local(),
+  py::class_<ParameterizedFieldHandle, std::shared_ptr<ParameterizedFieldHandle>>(
+      m, "ParameterizedField", py::module_local(),
                                        "A field for every lambda in [0, 1]: samples, linear between. Immutable.")
       .def(py::init(&makeParameterized), py::arg("mesh"), py::arg("lambdas"), py::arg("values"),
            "lambdas: (s,) float64, increasing in [0, 1]; values: (s, n) complex128.\n"

@@ -124,6 +124,11 @@ const std::shared_ptr<const FlatFaces>& MeshHandle::flatFaces() const {
   return flatFaces_;
 }
 
+const StreamFunctionSolver& MeshHandle::streamFunctions() const {
+  std::call_once(factorized_, [this] { streamFunctions_.emplace(charts_); });
+  return *streamFunctions_;
+}
+
 std::vector<SurfacePoint> inputSurfacePoints(const TriangleMesh& mesh, const ArrayArgument<Index>& faces,
                                              const ArrayArgument<double>& barycentric) {
   const auto f = inputArray<Index>(faces, "faces", {kAny});

@@ -3,6 +3,7 @@
 #include "bindings/bindings.h"
 #include "bindings/job.h"
 #include "texture/advected_coordinates.h"
+#include "texture/flow_attributes.h"
 #include "texture/stagger.h"
 #include "texture/stream_function.h"
 
@@ -19,10 +20,20 @@ struct CoordinatesHandle {
   Coordinates coordinates;
 };
 
+using FieldPointer = std::shared_ptr<ParameterizedFieldHandle>;
+
 struct StreamFunctions {
   py::ssize_t samples, vertices;
   std::vector<double> values;
 };
+
+/// What Python gets of some samples of both fields. orientation: empty where both are one field.
+struct FieldAttributes {
+  py::ssize_t samples, vertices;
+  FlowAttributes flow;
+  std::vector<float> orientation;
+};
+using AttributesPointer = std::shared_ptr<const FieldAttributes>;
 
 CoordinatesHandle makeCoordinates(const ParameterizedFieldHandle& field, const ArrayArgument<double>& frames,
                                   const ArrayArgument<double>& lambdas, double framesPerSecond, double period,
@@ -87,10 +98,39 @@ py::typing::Dict<std::string, double> carriedError(const CoordinatesHandle& self
   return result;
 }
 
-Work<StreamFunctions> prepareStreamFunctions(const ParameterizedFieldHandle& field) {
-  auto copy = std::make_shared<const ParameterizedField>(field.field);
-  return [copy](Progress& progress) {
-    return StreamFunctions{copy->sampleCount(), copy->vertexCount(), streamFunctions(*copy, &progress)};
+Work<StreamFunctions> prepareStreamFunctions(const FieldPointer& handle) {
+  return [handle](Progress& progress) {
+    const ParameterizedField& field = handle->field;
+    return StreamFunctions{field.sampleCount(), field.vertexCount(),
+                           streamFunctions(field, handle->mesh->streamFunctions(), &progress)};
+  };
+}
+
+Work<bool> prepareFactor(const std::shared_ptr<MeshHandle>& mesh) {
+  return [mesh](Progress&) {
+    mesh->streamFunctions();
+    return true;
+  };
+}
+
+Work<AttributesPointer> prepareAttributes(const FieldPointer& orientation, const FieldPointer& advection, Index first,
+                                          Index count) {
+  const Index samples = advection->field.sampleCount();
+  if (orientation->field.sampleCount() != samples || 
+      orientation->field.vertexCount() != advection->field.vertexCount()) {
+    throw InputError("the two fields have other samples or lie on other meshes; give two of one solve");
+  }
+  if (first < 0 || count < 1 || count > samples - first) {
+    throw InputError(message("samples ", first, " to ", first + count - 1, " do not exist; the field has samples 0 to ",
+                             samples - 1));
+  }
+  return [=](Progress& progress) {
+    FieldAttributes result{count, advection->field.vertexCount(), {}, {}};
+    result.flow = flowAttributes(advection->field, first, count, advection->mesh->streamFunctions(), &progress);
+    if (orientation != advection) {
+      result.orientation = vectorsInSpace(orientation->field, first, count, &progress);
+    }
+    return std::make_shared<const FieldAttributes>(std::move(result));
   };
 }
 
@@ -149,10 +189,55 @@ void bindCoordinates(py::module_& m) {
            py::arg("frames"));
 }
 
+/// A property of FieldAttributes: a view of these numbers, `width` for each vertex.
+template <typename Member>
+auto viewOf(const Member& member, py::ssize_t width) {
+  return [member, width](const py::object& self) {
+    const auto& attributes = self.cast<const FieldAttributes&>();
+    Shape shape{attributes.samples, attributes.vertices};
+    if (width > 1) shape.push_back(width);
+    return readOnlyView(member(attributes).data(), shape, self);
+  };
+}
+
+void bindAttributes(py::module_& m) {
+  using A = FieldAttributes;
+  py::class_<A, std::shared_ptr<A>>(m, "FieldAttributes", py::module_local(),
+                                    "What a cache holds of some samples of two fields, float32, mesh units and seconds.")
+      .def_property_readonly(
+          "orientation",
+          viewOf([](const A& a) -> const auto& { return a.orientation.empty() ? a.flow.vectors : a.orientation; }, 3),
+          "(k, n, 3): vectors in space.")
+      .def_property_readonly("advection", viewOf([](const A& a) -> const auto& { return a.flow.vectors; }, 3),
+                             "(k, n, 3): vectors in space.")
+      .def_property_readonly("speed", viewOf([](const A& a) -> const auto& { return a.flow.speed; }, 1),
+                             "(k, n): of the advection field.")
+      .def_property_readonly("stream", viewOf([](const A& a) -> const auto& { return a.flow.stream; }, 1),
+                             "(k, n): stream function of the advection field.")
+      .def_property_readonly("rotation", viewOf([](const A& a) -> const auto& { return a.flow.rotation; }, 1),
+                             "(k, n): n . curl V of the advection field, twice the angular speed of the surface, radians "
+                             "per second, positive\n"
+                             "counter-clockwise seen from outside; 0 at vertices without faces.");
+  bindJob<AttributesPointer>(
+      m, "FieldAttributesJob", "Attributes of samples that are being computed.",
+      [](const AttributesPointer& found) { return std::const_pointer_cast<FieldAttributes>(found); })
+      .def(m, "field_attributes", &prepareAttributes,
+           "FieldAttributes of `count` samples, from sample `first` on, of two ParameterizedFields on one mesh. Raises\n"
+           "InputError for samples that do not exist, SolverError where the stream function cannot be found, Cancelled.",
+           py::arg("orientation"), py::arg("advection"), py::arg("first"), py::arg("count"));
+  bindJob<bool>(m, "StreamFactorJob", "A factor for stream functions that is being made.",
+                [](bool) { return py::none(); })
+      .defStart(
+          m, "stream_factor", &prepareFactor,
+          "Factorizes what the stream functions of all fields on a mesh share; the mesh keeps it. Raises SolverError.",
+          py::arg("mesh"));
+}
+
 }  // namespace
 
 void bind_texture(py::module_& m) {
   bindCoordinates(m);
+  bindAttributes(m);
   bindJob<StreamFunctions>(m, "StreamFunctionsJob", "Stream functions that are being solved for.",
                            [](const StreamFunctions& psi) { return toArray(psi); })
       .def(m, "stream_functions", &prepareStreamFunctions,

@@ -13,6 +13,7 @@
 #include "bindings/words.h"
 #include "field/parameterized_field.h"
 #include "mesh/closest_point.h"
+#include "texture/stream_function.h"
 #include "topology/topology.h"
 #include "tracing/flat_faces.h"
 
@@ -35,8 +36,8 @@ void bind_solver(py::module_& m);
 void bind_texture(py::module_& m);
 void bind_io(py::module_& m);
 
-/// Python's TriangleMesh: the mesh, its charts and, from their first use on, its tree for closest
-/// points and its faces laid out for tracing.
+/// Python's TriangleMesh: the mesh, its charts and, from their first use on, its tree for closest points, its faces laid
+/// out for tracing and its factor for stream functions.
 class MeshHandle {
  public:
   explicit MeshHandle(std::shared_ptr<const TriangleMesh> mesh);
@@ -45,12 +46,14 @@ class MeshHandle {
   const std::shared_ptr<const VertexCharts>& charts() const { return charts_; }
   const ClosestPointQuery& closestPoints() const;
   const std::shared_ptr<const FlatFaces>& flatFaces() const;
+  const StreamFunctionSolver& streamFunctions() const;
 
  private:
   std::shared_ptr<const VertexCharts> charts_;
-  mutable std::once_flag built_, unfolded_;
+  mutable std::once_flag built_, unfolded_, factorized_;
   mutable std::optional<ClosestPointQuery> query_;
   mutable std::shared_ptr<const FlatFaces> flatFaces_;
+  mutable std::optional<StreamFunctionSolver> streamFunctions_;
 };
 
 /// Arrays vertices (n, 3) float64 and triangles (m, 3) int32, and the mesh and charts of them.
@@ -61,7 +64,7 @@ struct MeshArrays {
 MeshArrays inputMesh(const ArrayArgument<double>& vertices, const ArrayArgument<Index>& triangles);
 std::shared_ptr<MeshHandle> builtMesh(const MeshArrays& arrays, Progress& progress);
 
-/// Python's VectorField and ParameterizedField: with the mesh object they were made on.
+/// Python's VectorField and ParameterizedField: with the mesh object they were made on. Jobs share the latter.
 struct FieldHandle {
   std::shared_ptr<MeshHandle> mesh;
   VectorField field;

@@ -4,6 +4,7 @@
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 
 #include "base/error.h"
@@ -49,48 +50,89 @@ Matrix laplacian(const TriangleMesh& mesh, const std::vector<char>& held) {
 }  // namespace
 
 struct StreamFunctionSolver::Factor {
+  static constexpr int kLanes = kTogether;
+
   explicit Factor(std::shared_ptr<const VertexCharts> c)
       : charts(std::move(c)), held(heldVertices(charts->mesh())), cholesky(laplacian(charts->mesh(), held)) {
     if (cholesky.info() != Eigen::Success) {
       throw SolverError("the stream function's Laplacian is singular; remove faces without area");
     }
-    prepareMeans();
+    prepareFaces();
   }
 
   /// Mean of the field over face f is sum_i mean[3 f + i] V_i: the mean of the edges' midpoints, where the field is the
-  /// blend of the two carried end vectors.
-  void prepareMeans() {
-    mean.resize(charts->mesh().halfedgeCount());
-    tbb::parallel_for(Index{0}, charts->mesh().faceCount(), [&](Index f) {
+  /// blend of the two carried end vectors. side[3 f + i] is the side opposite to that corner, in the face's frame.
+  void prepareFaces() {
+    const TriangleMesh& mesh = charts->mesh();
+    mean.resize(mesh.halfedgeCount());
+    side.resize(mesh.halfedgeCount());
+    tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
       const FaceInterpolant unit(*charts, f, {1.0, 1.0, 1.0});
       for (int i = 0; i < 3; ++i) {
-        const double half = 0.5 * unit.twist[i] * charts->mesh().cornerAngle(3 * f + i);
+        const double half = 0.5 * unit.twist[i] * mesh.cornerAngle(3 * f + i);
         mean[3 * f + i] = unit.carried[i] * std::cos(half) / 3.0;
+        const Index h = 3 * f + (i + 1) % 3;
+        side[3 * f + i] = std::polar(mesh.edgeLength(mesh.edge(h)), charts->faceAngle(h));
       }
     });
   }
 
-  Eigen::VectorXd curl(const Complex* values) const {
+  /// Row of a vertex in the factor, which has the lanes of each row side by side.
+  std::size_t row(Index v) const { return static_cast<std::size_t>(cholesky.permutationP().indices()[v]) * kLanes; }
+
+  /// The right-hand sides of `count` fields, in the rows of the factor; other lanes are 0.
+  std::vector<double> curls(const Complex* values, int count) const {
     const TriangleMesh& mesh = charts->mesh();
-    Eigen::VectorXd result = Eigen::VectorXd::Zero(mesh.vertexCount());
+    const std::size_t n = mesh.vertexCount();
+    std::vector<double> result(n * kLanes, 0.0);
     for (Index f = 0; f < mesh.faceCount(); ++f) {
-      Complex v = 0.0;
-      for (int i = 0; i < 3; ++i) v += mean[3 * f + i] * values[mesh.vertex(f, i)];
-      for (int i = 0; i < 3; ++i) {
-        // Integral of V . (grad hat_i x n): grad hat_i is the opposite side rotated into the face over twice the
-        // area; rotated back it is the side itself.
-        const Index h = 3 * f + (i + 1) % 3;
-        const Complex side = std::polar(mesh.edgeLength(mesh.edge(h)), charts->faceAngle(h));
-        result[mesh.vertex(f, i)] += 0.5 * (v.real() * side.real() + v.imag() * side.imag());
+      for (int lane = 0; lane < count; ++lane) {
+        const Complex* field = values + lane * n;
+        Complex v = 0.0;
+        for (int i = 0; i < 3; ++i) v += mean[3 * f + i] * field[mesh.vertex(f, i)];
+        for (int i = 0; i < 3; ++i) {
+          // Integral of V . (grad hat_i x n): grad hat_i is the opposite side rotated into the face over twice the
+          // area; rotated back it is the side itself.
+          const Complex s = side[3 * f + i];
+          result[row(mesh.vertex(f, i)) + lane] += 0.5 * (v.real() * s.real() + v.imag() * s.imag());
+        }
       }
     }
     for (Index v = 0; v < mesh.vertexCount(); ++v) {
-      if (held[v]) result[v] = 0.0;
+      if (held[v]) std::fill_n(result.begin() + static_cast<std::ptrdiff_t>(row(v)), kLanes, 0.0);
     }
     return result;
   }
 
-  void subtractMeans(Eigen::VectorXd& psi) const {
+  /// x becomes the solution of L D L^T x = x in all lanes.
+  void substitute(std::vector<double>& x) const {
+    const Matrix& lower = cholesky.matrixL().nestedExpression();
+    const int *start = lower.outerIndexPtr(), *row = lower.innerIndexPtr();
+    const double* entry = lower.valuePtr();
+    const auto n = lower.cols();
+    std::array<double, kLanes> own;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      double* at = x.data() + j * kLanes;
+      std::copy_n(at, kLanes, own.data());
+      for (int k = start[j]; k < start[j + 1]; ++k) {
+        double* below = x.data() + static_cast<std::ptrdiff_t>(row[k]) * kLanes;
+        for (int lane = 0; lane < kLanes; ++lane) below[lane] -= own[lane] * entry[k];
+      }
+    }
+    const auto diagonal = cholesky.vectorD();
+    for (Eigen::Index j = n - 1; j >= 0; --j) {
+      double* at = x.data() + j * kLanes;
+      const double inverse = 1.0 / diagonal[j];
+      for (int lane = 0; lane < kLanes; ++lane) own[lane] = inverse * at[lane];
+      for (int k = start[j]; k < start[j + 1]; ++k) {
+        const double* below = x.data() + static_cast<std::ptrdiff_t>(row[k]) * kLanes;
+        for (int lane = 0; lane < kLanes; ++lane) own[lane] -= entry[k] * below[lane];
+      }
+      std::copy_n(own.data(), kLanes, at);
+    }
+  }
+
+  void subtractMeans(double* psi) const {
     const TriangleMesh& mesh = charts->mesh();
     std::vector<double> sum(mesh.componentCount(), 0.0), area(mesh.componentCount(), 0.0);
     for (Index v = 0; v < mesh.vertexCount(); ++v) {
@@ -105,7 +147,7 @@ struct StreamFunctionSolver::Factor {
 
   std::shared_ptr<const VertexCharts> charts;
   std::vector<char> held;
-  std::vector<Complex> mean;
+  std::vector<Complex> mean, side;
   Eigen::SimplicialLDLT<Matrix> cholesky;
 };
 
@@ -115,20 +157,33 @@ StreamFunctionSolver::~StreamFunctionSolver() = default;
 StreamFunctionSolver::StreamFunctionSolver(StreamFunctionSolver&&) noexcept = default;
 
 std::vector<double> StreamFunctionSolver::solve(const Complex* values) const {
-  Eigen::VectorXd psi = factor_->cholesky.solve(factor_->curl(values));
-  factor_->subtractMeans(psi);
-  return {psi.data(), psi.data() + psi.size()};
+  return solve(values, 1);
 }
 
-std::vector<double> streamFunctions(const ParameterizedField& field, Progress* progress) {
-  const StreamFunctionSolver solver(field.charts);
+std::vector<double> StreamFunctionSolver::solve(const Complex* values, int count) const {
+  std::vector<double> lanes = factor_->curls(values, count);
+  factor_->substitute(lanes);
+  const Index n = factor_->charts->mesh().vertexCount();
+  std::vector<double> psi(static_cast<std::size_t>(n) * count);
+  for (int lane = 0; lane < count; ++lane) {
+    double* own = psi.data() + static_cast<std::ptrdiff_t>(lane) * n;
+    for (Index v = 0; v < n; ++v) own[v] = lanes[factor_->row(v) + lane];
+    factor_->subtractMeans(own);
+  }
+  return psi;
+}
+
+std::vector<double> streamFunctions(const ParameterizedField& field, const StreamFunctionSolver& solver,
+                                    Progress* progress) {
+  constexpr int kTogether = StreamFunctionSolver::kTogether;
   std::vector<double> result(field.values.size());
   std::atomic<Index> done{0};
-  tbb::parallel_for(Index{0}, field.sampleCount(), [&](Index j) {
+  tbb::parallel_for(Index{0}, (field.sampleCount() + kTogether - 1) / kTogether, [&](Index block) {
     if (progress != nullptr) progress->check();
-    const std::vector<double> psi = solver.solve(field.sample(j));
-    std::copy(psi.begin(), psi.end(), result.begin() + static_cast<std::ptrdiff_t>(j) * field.vertexCount());
-    if (progress != nullptr) progress->report(static_cast<double>(++done) / field.sampleCount());
+    const Index first = block * kTogether, count = std::min<Index>(kTogether, field.sampleCount() - first);
+    const std::vector<double> psi = solver.solve(field.sample(first), count);
+    std::copy(psi.begin(), psi.end(), result.begin() + static_cast<std::ptrdiff_t>(first) * field.vertexCount());
+    if (progress != nullptr) progress->report(static_cast<double>(done += count) / field.sampleCount());
   });
   return result;
 }

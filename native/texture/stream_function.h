@@ -8,9 +8,13 @@
 //
 //   const StreamFunctionSolver solver(charts);  // factorizes the cotangent Laplacian once per mesh
 //   const std::vector<double> psi = solver.solve(field.values.data());
+//
+// Several fields are solved for together, since a pass over the factor costs as much as the arithmetic for four of them.
+// What a field gives does not depend on those beside it.
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "base/progress.h"
 #include "field/parameterized_field.h"
@@ -24,15 +28,21 @@ class StreamFunctionSolver {
   ~StreamFunctionSolver();
   StreamFunctionSolver(StreamFunctionSolver&&) noexcept;
 
+  /// Most fields that are solved for together.
+  static constexpr int kTogether = 4;
+
   /// One value per vertex, from one tangent vector per vertex; 0 at vertices that no face uses.
   std::vector<double> solve(const Complex* values) const;
+  /// The same of `count` fields, at most kTogether, that follow each other in memory.
+  std::vector<double> solve(const Complex* values, int count) const;
 
  private:
   struct Factor;
   std::unique_ptr<const Factor> factor_;
 };
 
-/// psi of every sample, samples x vertices, in parallel.
-std::vector<double> streamFunctions(const ParameterizedField& field, Progress* progress = nullptr);
+/// psi of every sample, samples x vertices, in parallel. solver: of the field's surface.
+std::vector<double> streamFunctions(const ParameterizedField& field, const StreamFunctionSolver& solver,
+                                    Progress* progress = nullptr);
 
 }  // namespace stormfield

@@ -7,12 +7,15 @@ The second solve starts from the first, as in a window. "of this thread" is proc
 is the core's own threads, or waiting for them and for the disk.
 """
 
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
+from stormfield import native
 from stormfield.bake.lambda_cache import solve_steps
 from stormfield.cache import fields
-from stormfield.cache.rotation import Rotation
 from stormfield.model.design import Design
 from stormfield.readers.icosphere import icosphere
 from stormfield.solve import SolverState
@@ -63,26 +66,33 @@ def bench_solve_to_picture(tmp_path):
             print(f"  {message:32}{seconds:7.3f} s  {seconds / total:5.0%}   of this thread {processor:6.3f} s")
 
 
-def bench_rotation():
-    """Against the sum over faces and edges, as the definition says it."""
+def bench_attributes():
+    """What a cache holds of the samples, against one solve for the stream function after the other."""
     data = icosphere(FACES)
     mesh = fields.native_mesh(data)
-    vectors = np.random.default_rng(0).normal(size=data.vertices.shape)
-    rotation = Rotation(mesh)
+    axes = np.random.default_rng(0).normal(size=(SAMPLES, 3))
+    values = np.stack([mesh.to_tangent(np.cross(axis, data.vertices)) for axis in axes])
+    field = native.ParameterizedField(mesh, np.linspace(0.0, 1.0, SAMPLES), values)
+    factor = _seconds(lambda: native.start_stream_factor(mesh).result())
+    singles = [native.ParameterizedField(mesh, np.zeros(1), values[j : j + 1]) for j in range(SAMPLES)]
+    times = {
+        "factor, once for a mesh": factor,
+        "one after the other": _seconds(lambda: [native.field_attributes(one, one, 0, 1) for one in singles]),
+        "together": min(_seconds(lambda: native.field_attributes(field, field, 0, SAMPLES)) for _ in range(3)),
+    }
+    print()
+    for name, seconds in times.items():
+        print(f"  {name:28}{1e3 * seconds:7.1f} ms of processor time")
+    print(f"  together / one after the other{times['together'] / times['one after the other']:6.2f}")
 
-    def by_definition():
-        corners, flow = mesh.vertices[mesh.triangles], vectors[mesh.triangles]
-        edges = [corners[:, (k + 1) % 3] - corners[:, k] for k in range(3)]
-        return sum(np.einsum("ij,ij->i", flow[:, k] + flow[:, (k + 1) % 3], edges[k]) / 2 for k in range(3))
 
-    times = {}
-    for name, work in (("rotation", lambda: rotation.of(vectors)), ("circulations by definition", by_definition)):
-        times[name] = min(_seconds(work) for _ in range(5))
-        print(f"  {name:28}{1e3 * times[name]:7.2f} ms")
-    print(f"  rotation / circulations     {times['rotation'] / times['circulations by definition']:7.2f}")
+def bench_solve_in_blender(tmp_path):
+    """The same as an artist has it: in a fresh Blender, with what Python imports, and with what follows the cache."""
+    script = Path(__file__).with_name("solve_in_blender.py")
+    subprocess.run([sys.executable, script, str(FACES), str(SAMPLES), str(tmp_path)], check=True)
 
 
 def _seconds(work):
-    began = time.thread_time()
+    began = time.process_time()
     work()
-    return time.thread_time() - began
+    return time.process_time() - began

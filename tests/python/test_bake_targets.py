@@ -12,12 +12,13 @@ from stormfield.bake.lambda_cache import is_warm_started, solve_steps
 from stormfield.bake.targets.exr import check_half, write_image
 from stormfield.bake.targets.vdb import write_volume
 from stormfield.bake.task import BakeTask, ExrSettings, FlowSettings, VdbSettings
+from stormfield.cache import fields
 from stormfield.cache.field_cache import open_cache
 from stormfield.model.design import Design, Element, SolveSettings
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
 from stormfield.readers.icosphere import icosphere
-from stormfield.solve import SolverState
+from stormfield.solve import SolverState, start_solve
 from stormfield.work import POLL, run
 from test_cache import contents
 
@@ -119,6 +120,20 @@ def test_a_solve_stopped_while_the_core_works_leaves_no_samples(mesh, tmp_path):
     steps.close()
     (folder,) = tmp_path.iterdir()
     assert set(contents(folder)) == {"plan.json"}
+
+
+def test_samples_are_waited_for_in_order_and_given_up_when_the_writer_stops(mesh, solved, ending):
+    solution = start_solve(mesh, replace(DESIGN, settings=SolveSettings(samples=60))).result()
+    samples = [each for each in fields.attributes_of(solution) if each is not None]
+    assert len(samples) == 60
+    for j in (0, 15, 16, 59):
+        vectors = solution.fields["advection"].sample(j).to_space().astype(np.float32)
+        np.testing.assert_array_equal(samples[j][fields.ADVECTION], vectors)
+    stopped = fields.attributes_of(solution)
+    while next(stopped) is None:
+        pass
+    stopped.close()
+    assert not ending or ending[-1][0].cancelled  # the next block, unless it was there already
 
 
 def test_fractions_never_go_back(mesh, tmp_path):

@@ -241,6 +241,18 @@ def test_samples_that_are_written_at_once_give_the_same_files(mesh, baked, tmp_p
     assert set(contents(tmp_path / "bad")) == {"plan.json"}
 
 
+def test_samples_that_are_not_there_yet_are_waited_for(mesh, baked, tmp_path):
+    writer = FieldCacheWriter(tmp_path / "late", mesh, LAMBDAS, SETTINGS)
+    late = (each for j in range(len(LAMBDAS)) for each in (None, None, sample(mesh, j)))
+    fractions = [step.fraction for step in writer.write_all(late)]
+    assert fractions == sorted(fractions)
+    assert contents(tmp_path / "late") == contents(baked)
+    short = FieldCacheWriter(tmp_path / "short", mesh, LAMBDAS, SETTINGS)
+    with pytest.raises(ValueError, match=f"{len(LAMBDAS) - 1} of {len(LAMBDAS)} samples are missing"):
+        run(short.write_all([sample(mesh, 0), None]))
+    assert set(contents(tmp_path / "short")) == {"plan.json"}
+
+
 def test_writing_at_once_that_is_closed_leaves_nothing(mesh, tmp_path):
     writer = FieldCacheWriter(tmp_path, mesh, LAMBDAS, SETTINGS)
     steps = writer.write_all(sample(mesh, j) for j in range(len(LAMBDAS)))

@@ -179,3 +179,25 @@ def test_faults_of_a_design(element, said):
 def test_faults_of_a_mesh():
     with pytest.raises(InputError, match="face"):
         start_solve(MeshData(np.eye(3), [[0, 1, 1]]), merge())
+
+
+def test_a_surface_is_made_once_while_the_mesh_and_the_settings_stay():
+    mesh, state = sphere(4), SolverState()
+    first = state.surface_of(mesh, SolveSettings())
+    assert first.manifold is first.manifold and first.coarse is first.solved
+    start_solve(mesh, merge(), state, first).result()
+    equal = MeshData(mesh.vertices, mesh.triangles)
+    assert state.surface_of(equal, SolveSettings()) is first
+    assert state.surface_of(sphere(3), SolveSettings()) is not first
+    finer = state.surface_of(equal, SolveSettings(edge=0.05))
+    assert finer.solved.vertex_count > finer.coarse.vertex_count == first.coarse.vertex_count
+    state.clear()
+    assert state.surface_of(equal, SolveSettings()) is not first
+
+
+def test_a_setting_that_changes_no_vertex_keeps_what_was_solved():
+    mesh, state = sphere(4), SolverState()
+    start_solve(mesh, merge(), state).result()
+    before = state.surface_of(mesh, SolveSettings()).solved
+    start_solve(mesh, merge(weld=1e-3), state).result()  # there is nothing to weld
+    assert state.surface_of(mesh, SolveSettings(weld=1e-3)).solved is before

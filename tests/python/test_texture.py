@@ -102,6 +102,40 @@ def test_stream_function_of_a_rotation_is_height_along_its_axis(sphere, field):
     np.testing.assert_array_equal(native.start_stream_functions(field).result(), psi)
 
 
+def test_attributes_of_samples_are_those_of_both_fields(sphere, field):
+    found = native.start_field_attributes(field, field, 1, 3).result()
+    n, vectors = sphere.vertex_count, field.sample(2).to_space()
+    assert found.advection.shape == found.orientation.shape == (3, n, 3) and found.rotation.shape == (3, n)
+    assert all(values.dtype == np.float32 for values in (found.advection, found.speed, found.stream, found.rotation))
+    np.testing.assert_array_equal(found.advection[1], vectors.astype(np.float32))
+    np.testing.assert_array_equal(found.stream, native.stream_functions(field)[1:4].astype(np.float32))
+    np.testing.assert_allclose(found.speed[1], np.linalg.norm(vectors, axis=1), rtol=1e-6)
+    other = native.ParameterizedField(sphere, field.lambdas, 2.0 * field.values)
+    both = native.field_attributes(other, field, 1, 3)
+    np.testing.assert_array_equal(both.orientation, 2.0 * found.advection)
+    np.testing.assert_array_equal(both.advection, found.advection)
+    assert not both.stream.flags.writeable
+
+
+def test_rotation_is_twice_the_angular_speed_about_the_axis_of_the_surface(sphere, field):
+    found = native.field_attributes(field, field, 0, 1).rotation[0]
+    np.testing.assert_allclose(found, 2.0 * sphere.vertices[:, 2], atol=0.05)
+
+
+def test_samples_that_do_not_exist_have_no_attributes(sphere, field):
+    with pytest.raises(native.InputError, match="samples 4 to 5 do not exist; the field has samples 0 to 4"):
+        native.start_field_attributes(field, field, 4, 2)
+    short = native.ParameterizedField(sphere, field.lambdas[:3], field.values[:3])
+    with pytest.raises(native.InputError, match="other samples"):
+        native.start_field_attributes(short, field, 0, 1)
+
+
+def test_a_factor_is_made_once_for_a_mesh(sphere, field):
+    assert native.start_stream_factor(sphere).result() is None
+    again = native.start_stream_factor(sphere)
+    assert again.wait(0.1) and again.result() is None
+
+
 def test_stream_functions_change_continuously_with_lambda(sphere, field):
     half = native.ParameterizedField(sphere, np.array([0.0]), field.at(0.375).values[None])
     psi = native.stream_functions(field)

@@ -16,6 +16,7 @@ from mathutils import Matrix
 from ...model.words import Json
 from .edits import facts
 from .facts import all_keys, digest, keys_of, names_of, shape_of, values_of
+from .mesh import corner_vertices
 
 #: Form of what is read; another number makes earlier readings unknown.
 FORM = 1
@@ -70,14 +71,8 @@ def changes(before: dict[str, Json], now: dict[str, Json]) -> list[str]:
 def mesh_digest(mesh: bpy.types.Mesh) -> str:
     """Of vertices and corners, as Object Mode has them."""
     vertices = np.empty(len(mesh.vertices) * 3, np.float32)
-    corners = np.empty(len(mesh.loops), np.int32)
-    if mesh.is_editmode:  # its attributes cannot be read
-        mesh.vertices.foreach_get("co", vertices)
-        mesh.loops.foreach_get("vertex_index", corners)
-    else:  # many times faster
-        mesh.attributes["position"].data.foreach_get("vector", vertices)
-        mesh.attributes[".corner_vert"].data.foreach_get("value", corners)
-    return digest([len(mesh.polygons)], vertices, corners)
+    mesh.vertices.foreach_get("co", vertices)
+    return digest([len(mesh.polygons)], vertices, corner_vertices(mesh))
 
 
 def names_digest(obj: bpy.types.Object) -> str:

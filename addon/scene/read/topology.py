@@ -11,6 +11,8 @@ import hashlib
 import bpy
 import numpy as np
 
+from .mesh import corner_vertices
+
 #: Custom properties of a cache file.
 CONNECTIVITY, SHAPE, PLACES = "stormfield_connectivity", "stormfield_shape", "stormfield_places"
 
@@ -46,8 +48,7 @@ def fit(cache_file: bpy.types.CacheFile, mesh: bpy.types.Mesh) -> Fit:
 
 def connectivity(mesh: bpy.types.Mesh) -> str:
     """Digest of which vertices each face joins, as Object Mode has them. Flipped faces are the same."""
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
+    corners = corner_vertices(mesh)
     starts = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_start", starts)
     faces = np.add.reduceat(_mixed(corners.astype(np.uint64)), starts) if len(starts) else starts

@@ -209,7 +209,7 @@ void StreamFunctions(benchmark::State& state) {
     values.insert(values.end(), sample.values.begin(), sample.values.end());
   }
   field.values = values;
-  for (auto _ : state) benchmark::DoNotOptimize(streamFunctions(field));
+  for (auto _ : state) benchmark::DoNotOptimize(streamFunctions(field, StreamFunctionSolver(field.charts)));
 }
 BENCHMARK(StreamFunctions)->Arg(45)->ArgName("n")->Unit(benchmark::kMillisecond)->UseRealTime();
 

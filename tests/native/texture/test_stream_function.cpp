@@ -77,8 +77,8 @@ TEST(StreamFunction, IsLinearAndTheSameForSequences) {
   std::vector<Complex> values = a.values;
   values.insert(values.end(), b.values.begin(), b.values.end());
   const ParameterizedField field{charts, {0.0, 1.0}, values};
-  const auto both = streamFunctions(field);
   const StreamFunctionSolver solver(charts);
+  const auto both = streamFunctions(field, solver);
   std::vector<Complex> mixed(a.values.size());
   for (std::size_t v = 0; v < mixed.size(); ++v) mixed[v] = 0.25 * a.values[v] + 0.75 * b.values[v];
   const auto psi = solver.solve(mixed.data());
@@ -87,7 +87,25 @@ TEST(StreamFunction, IsLinearAndTheSameForSequences) {
   }
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(streamFunctions(field, &progress), Cancelled);
+  EXPECT_THROW(streamFunctions(field, solver, &progress), Cancelled);
+}
+
+TEST(StreamFunction, DoesNotDependOnTheFieldsBesideIt) {
+  const auto charts = test::makeCharts(test::torus(20, 12, 1.0, 0.4, 0.2));
+  const Index n = charts->mesh().vertexCount();
+  const int together = StreamFunctionSolver::kTogether;
+  std::vector<Complex> values;
+  for (int k = 0; k < together; ++k) {
+    const VectorField field = sampled(charts, analytic::swirl(0.5 * k));
+    values.insert(values.end(), field.values.begin(), field.values.end());
+  }
+  const StreamFunctionSolver solver(charts);
+  const auto all = solver.solve(values.data(), together);
+  ASSERT_EQ(static_cast<Index>(all.size()), together * n);
+  for (int k = 0; k < together; ++k) {
+    const auto alone = solver.solve(values.data() + static_cast<std::ptrdiff_t>(k) * n);
+    EXPECT_TRUE(std::equal(alone.begin(), alone.end(), all.begin() + static_cast<std::ptrdiff_t>(k) * n)) << k;
+  }
 }
 
 }  // namespace
