@@ -33,10 +33,21 @@ def without_flat(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray,
 
 def without_repeated(triangles: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Each set of corners once, the first, and the mesh's triangles that were left out."""
-    _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
-    keep = np.zeros(len(triangles), bool)
-    keep[first] = True
+    keep = np.ones(len(triangles), bool)
+    sums = _sums(triangles)
+    if len(np.unique(sums)) < len(triangles):  # equal sets have equal sums, different ones hardly ever
+        _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+        keep[:] = False
+        keep[first] = True
     return triangles[keep], corners[keep], corners[~keep][:, 0] // 3
+
+
+def _sums(triangles: np.ndarray) -> np.ndarray:
+    """(m,) a number for each set of corners, whatever their order: the sum of numbers that are spread over 64 bits."""
+    with np.errstate(over="ignore"):
+        spread = triangles.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+        spread = (spread ^ (spread >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)
+        return spread[:, 0] + spread[:, 1] + spread[:, 2]
 
 
 def is_flat(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -12,8 +12,6 @@ def inward(points: np.ndarray, triangles: np.ndarray, mates: np.ndarray) -> np.n
     The wall of a cavity has negative volume too, and is right: it lies inside a part of positive volume.
     """
     none = np.zeros(len(triangles), bool)
-    corners = points[triangles] - points[triangles].mean(axis=(0, 1))
-    volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
     if (mates < 0).any() and not (mates >= 0).any():
         return none
     piece = pieces(len(triangles), mates)
@@ -22,10 +20,12 @@ def inward(points: np.ndarray, triangles: np.ndarray, mates: np.ndarray) -> np.n
     tails = triangles.ravel()
     against = (tails[one] == tails[mates[one]]) & (tails[after(one)] == tails[after(mates[one])])
     closed &= np.bincount(piece[one // 3], against, len(triangles)) == 0  # else which side is outside is not known
-    volume = np.bincount(piece, volumes, len(triangles))
+    volume = np.bincount(piece, _volumes(points, triangles), len(triangles))
     parts = np.unique(piece)
     parts = parts[closed[parts]]
     boxes = {part: _box(points[triangles[piece == part]]) for part in parts[volume[parts] < 0]}
+    if not boxes:
+        return none
     solid = [(_box(points[triangles[piece == part]]), volume[part]) for part in parts[volume[parts] > 0]]
     wrong = [
         part
@@ -33,6 +33,13 @@ def inward(points: np.ndarray, triangles: np.ndarray, mates: np.ndarray) -> np.n
         if not any((low >= box[0]).all() and (high <= box[1]).all() and size > -volume[part] for box, size in solid)
     ]
     return np.isin(piece, wrong)
+
+
+def _volumes(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(m,) of the tetrahedra of each triangle and the middle of all, negative where it turns its back to that."""
+    used = points[triangles]
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (used - used.mean(axis=(0, 1))).transpose(1, 2, 0)
+    return (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6.0
 
 
 def _box(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
