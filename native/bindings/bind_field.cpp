@@ -78,7 +78,7 @@ void bind_field(py::module_& m) {
 
   py::class_<ParameterizedFieldHandle, std::shared_ptr<ParameterizedFieldHandle>>(
       m, "ParameterizedField", py::module_local(),
-                                       "A field for every lambda in [0, 1]: samples, linear between. Immutable.")
+      "A field for every lambda in [0, 1]: samples, linear between. Immutable.")
       .def(py::init(&makeParameterized), py::arg("mesh"), py::arg("lambdas"), py::arg("values"),
            "lambdas: (s,) float64, increasing in [0, 1]; values: (s, n) complex128.\n"
            "Raises InputError on sizes, lambdas or values that do not fit.")

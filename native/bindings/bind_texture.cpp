@@ -116,7 +116,7 @@ Work<bool> prepareFactor(const std::shared_ptr<MeshHandle>& mesh) {
 Work<AttributesPointer> prepareAttributes(const FieldPointer& orientation, const FieldPointer& advection, Index first,
                                           Index count) {
   const Index samples = advection->field.sampleCount();
-  if (orientation->field.sampleCount() != samples || 
+  if (orientation->field.sampleCount() != samples ||
       orientation->field.vertexCount() != advection->field.vertexCount()) {
     throw InputError("the two fields have other samples or lie on other meshes; give two of one solve");
   }
@@ -202,29 +202,41 @@ auto viewOf(const Member& member, py::ssize_t width) {
 
 void bindAttributes(py::module_& m) {
   using A = FieldAttributes;
-  py::class_<A, std::shared_ptr<A>>(m, "FieldAttributes", py::module_local(),
-                                    "What a cache holds of some samples of two fields, float32, mesh units and seconds.")
+  py::class_<A, std::shared_ptr<A>>(
+      m, "FieldAttributes", py::module_local(),
+      "What a cache holds of some samples of two fields, float32, mesh units and seconds.")
       .def_property_readonly(
           "orientation",
-          viewOf([](const A& a) -> const auto& { return a.orientation.empty() ? a.flow.vectors : a.orientation; }, 3),
+          viewOf(
+              [](const A& a) -> const auto& { return a.orientation.empty() ? a.flow.vectors : a.orientation; }, 3),
           "(k, n, 3): vectors in space.")
-      .def_property_readonly("advection", viewOf([](const A& a) -> const auto& { return a.flow.vectors; }, 3),
+      .def_property_readonly("advection",
+                             viewOf(
+                                 [](const A& a) -> const auto& { return a.flow.vectors; }, 3),
                              "(k, n, 3): vectors in space.")
-      .def_property_readonly("speed", viewOf([](const A& a) -> const auto& { return a.flow.speed; }, 1),
+      .def_property_readonly("speed",
+                             viewOf(
+                                 [](const A& a) -> const auto& { return a.flow.speed; }, 1),
                              "(k, n): of the advection field.")
-      .def_property_readonly("stream", viewOf([](const A& a) -> const auto& { return a.flow.stream; }, 1),
+      .def_property_readonly("stream",
+                             viewOf(
+                                 [](const A& a) -> const auto& { return a.flow.stream; }, 1),
                              "(k, n): stream function of the advection field.")
-      .def_property_readonly("rotation", viewOf([](const A& a) -> const auto& { return a.flow.rotation; }, 1),
-                             "(k, n): n . curl V of the advection field, twice the angular speed of the surface, radians "
-                             "per second, positive\n"
-                             "counter-clockwise seen from outside; 0 at vertices without faces.");
+      .def_property_readonly(
+          "rotation",
+          viewOf(
+              [](const A& a) -> const auto& { return a.flow.rotation; }, 1),
+          "(k, n): n . curl V of the advection field, twice the angular speed of the surface, radians "
+          "per second, positive\n"
+          "counter-clockwise seen from outside; 0 at vertices without faces.");
   bindJob<AttributesPointer>(
       m, "FieldAttributesJob", "Attributes of samples that are being computed.",
       [](const AttributesPointer& found) { return std::const_pointer_cast<FieldAttributes>(found); })
-      .def(m, "field_attributes", &prepareAttributes,
-           "FieldAttributes of `count` samples, from sample `first` on, of two ParameterizedFields on one mesh. Raises\n"
-           "InputError for samples that do not exist, SolverError where the stream function cannot be found, Cancelled.",
-           py::arg("orientation"), py::arg("advection"), py::arg("first"), py::arg("count"));
+      .def(
+          m, "field_attributes", &prepareAttributes,
+          "FieldAttributes of `count` samples, from sample `first` on, of two ParameterizedFields on one mesh. Raises\n"
+          "InputError for samples that do not exist, SolverError where the stream function cannot be found, Cancelled.",
+          py::arg("orientation"), py::arg("advection"), py::arg("first"), py::arg("count"));
   bindJob<bool>(m, "StreamFactorJob", "A factor for stream functions that is being made.",
                 [](bool) { return py::none(); })
       .defStart(
