@@ -141,6 +141,39 @@ def test_the_flow_lies_on_the_surface_that_is_seen(tube, scene, deform, when):
     assert axis_cosine(mesh) > 0.98
 
 
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_the_flow_lies_on_cloth_at_every_baked_frame(tube, scene, when):
+    if when == "before":
+        cloth(tube, scene)
+    bpy.ops.stormfield.solve()
+    if when == "after":
+        cloth(tube, scene)
+    rest = np.array([vertex.co for vertex in tube.data.vertices])
+    moved = []
+    for frame in (4, 8, 12):
+        scene.frame_set(frame)
+        mesh = evaluated(tube)
+        points = np.array([vertex.co for vertex in mesh.vertices])
+        moved.append(np.abs(points - rest).max())
+        assert off_tangent(mesh) < 1e-3
+        assert axis_cosine(mesh) > 0.99
+    assert moved == sorted(moved) and moved[-1] > 0.1
+
+
+def cloth(obj, scene):
+    """A tube whose lower end is held, and that falls sideways; twelve frames of it are baked."""
+    scene.gravity = (-9.81, 0.0, 0.0)
+    held = obj.vertex_groups.new(name="Held")
+    held.add([vertex.index for vertex in obj.data.vertices if vertex.co.z < 0.5], 1.0, "REPLACE")
+    modifier = obj.modifiers.new("Cloth", "CLOTH")
+    modifier.settings.vertex_group_mass = "Held"
+    modifier.point_cache.frame_start, modifier.point_cache.frame_end = 1, 12
+    bpy.context.view_layer.update()
+    with bpy.context.temp_override(scene=scene, active_object=obj, object=obj, point_cache=modifier.point_cache):
+        bpy.ops.ptcache.bake(bake=True)
+    assert modifier.point_cache.is_baked
+
+
 def test_at_rest_nothing_turns(tube):
     bpy.ops.stormfield.solve()
     before = vectors(evaluated(tube)).copy()
