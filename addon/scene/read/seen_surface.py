@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from mathutils.bvhtree import BVHTree
 
-from .attached import NAMES, TURN, find_modifier
+from .attached import NAMES, TURN, modifiers_of
 from .mesh import loop_triangles
 from .places import Places
 
@@ -25,7 +25,7 @@ BENDING_PARENTS = frozenset({"ARMATURE", "LATTICE", "CURVE"})
 
 def is_changed(obj: bpy.types.Object) -> bool:
     """Whether shape keys, modifiers or a parent may change the surface that is seen."""
-    own = [find_modifier(obj, sort) for sort in (*NAMES, TURN)]
+    own = [modifier for sort in (*NAMES, TURN) for modifier in modifiers_of(obj, sort)]
     return (
         obj.data.shape_keys is not None
         or any(modifier not in own for modifier in obj.modifiers)

@@ -13,10 +13,11 @@ import bpy
 
 from ...bake.task import TargetName
 from ...cache.layout import PRIM, STAGE
-from ..read.attached import FRAMES, LAMBDA, MORSE, NAMES, OVER_LAMBDA, SORT, TURN, find_modifier
+from ..read.attached import FRAMES, LAMBDA, MORSE, NAMES, OVER_LAMBDA, SCENE, SORT, TURN, find_modifier, modifiers_of
 from ..read.cache_paths import RECORDS, cache_paths
 from ..read.folders import cache_root, relative
 from . import cache_files, mesh_edits, turning
+from .scene_flows import drivers_of, flow_of, number_of, show_in_its_scene
 
 
 def show_solved(obj: bpy.types.Object, folder: Path) -> None:
@@ -62,8 +63,9 @@ def detach(obj: bpy.types.Object, names: tuple[str, ...] = NAMES) -> None:
     if LAMBDA in names and turn is not None:
         obj.modifiers.remove(turn)
     for name in names:
-        modifier = find_modifier(obj, name)
-        if modifier is not None:
+        for modifier in modifiers_of(obj, name):
+            for curve in list(drivers_of(obj, modifier)):
+                obj.animation_data.drivers.remove(curve)
             cache_file = modifier.cache_file
             obj.modifiers.remove(modifier)
             if cache_file is not None and cache_file.users == 0:
@@ -71,7 +73,7 @@ def detach(obj: bpy.types.Object, names: tuple[str, ...] = NAMES) -> None:
 
 
 def _attach(obj: bpy.types.Object, sort: str, folder: Path) -> None:
-    modifier = find_modifier(obj, sort)
+    modifier = flow_of(obj, bpy.context.scene) if sort == FRAMES else find_modifier(obj, sort)
     if modifier is None:
         modifier = obj.modifiers.new(sort, "MESH_SEQUENCE_CACHE")
     stage = folder / STAGE
@@ -82,13 +84,16 @@ def _attach(obj: bpy.types.Object, sort: str, folder: Path) -> None:
     cache_files.set_path(cache_file, stage)
     modifier.object_path = PRIM
     modifier.read_data = {"ATTRIBUTES"}
-    earlier = sum(find_modifier(obj, other) is not None for other in NAMES[: NAMES.index(sort)])
+    earlier = sum(len(modifiers_of(obj, other)) for other in NAMES[: NAMES.index(sort)])
+    earlier += modifiers_of(obj, sort).index(modifier)
     if obj.modifiers[earlier] != modifier:
         obj.modifiers.move(list(obj.modifiers).index(modifier), earlier)
     if sort in OVER_LAMBDA:
         cache_files.follow_lambda(obj, cache_file)
     else:
         cache_files.follow_frames(cache_file, bpy.context.scene)
+        cache_file[SCENE] = number_of(bpy.context.scene)
+        show_in_its_scene(obj)
     mesh_edits.remember_attached(obj, modifier, folder)
     obj.update_tag()
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ... import compat
 from ...cache.layout import TIME_CODES_PER_LAMBDA
-from ..read.attached import NAMES, OVER_LAMBDA, SORT, file_of, find_modifier
+from ..read.attached import NAMES, OVER_LAMBDA, SORT, file_of, modifiers_of
 from ..read.cache_paths import RECORDS
 from ..read.folders import relative
 from ..read.lambda_seen import time_stretch
@@ -110,14 +110,14 @@ def part_copies() -> list[bpy.types.Object]:
 def _part(obj: bpy.types.Object) -> bool:
     shared = False
     for sort in NAMES:
-        modifier = find_modifier(obj, sort)
-        if modifier is None or modifier.cache_file is None:
-            continue
-        if not is_own(obj, modifier.cache_file):
-            modifier.cache_file = _copy(modifier.cache_file, sort)
-            shared = True
-        if sort in OVER_LAMBDA and followed(modifier.cache_file) != obj:
-            follow_lambda(obj, modifier.cache_file)
+        for modifier in modifiers_of(obj, sort):
+            if modifier.cache_file is None:
+                continue
+            if not is_own(obj, modifier.cache_file):
+                modifier.cache_file = _copy(modifier.cache_file, sort)
+                shared = True
+            if sort in OVER_LAMBDA and followed(modifier.cache_file) != obj:
+                follow_lambda(obj, modifier.cache_file)
     return shared
 
 

@@ -15,7 +15,7 @@ import bpy
 from ...cache.copying import copy_cache
 from ...cache.layout import PLAN
 from ...model.errors import InputError
-from ..read.attached import NAMES, attached_folder
+from ..read.attached import attached_folders
 from ..read.cache_paths import CachePath, cache_paths, fields
 from ..read.cache_use import write_user
 from ..read.folders import NAME, base_folder, file_base, relative, temporary_root
@@ -75,7 +75,7 @@ def stray_folders(obj: bpy.types.Object) -> list[Path]:
     if not bpy.data.filepath:
         return []
     base = base_folder(obj)
-    shown = {folder for sort in NAMES if (folder := attached_folder(obj, sort)) is not None}
+    shown = set(attached_folders(obj))
     return sorted(folder for folder in shown if folder.parent.parent != base and _is_lonely(folder.parent.parent))
 
 
@@ -92,8 +92,7 @@ def _bases(blend: str) -> dict[Path, tuple[Path, Path]]:
     bases = {}
     for obj in fields():
         both = base_folder(obj), base_folder(obj, blend)
-        shown = [attached_folder(obj, sort) for sort in NAMES]
-        bases.update({folder: both for folder in shown if folder is not None})
+        bases.update(dict.fromkeys(attached_folders(obj), both))
         bases.update({path.folder: both for path in cache_paths() if path.block == obj})
     return bases
 

@@ -14,9 +14,10 @@ import bpy
 import numpy as np
 
 from ...cache.field_cache import open_cache
-from ..read.attached import LAMBDA, NAMES, TURN, find_modifier
+from ..read.attached import LAMBDA, NAMES, TURN, find_modifier, modifiers_of
 from ..read.mesh import read_mesh
 from ..read.topology import CONNECTIVITY, SHAPE, Fit, fit, remember_mesh
+from .scene_flows import drivers_of
 
 
 def remember_attached(obj: bpy.types.Object, modifier: bpy.types.MeshSequenceCacheModifier, folder: Path) -> None:
@@ -37,17 +38,26 @@ def follow_mesh(obj: bpy.types.Object) -> None:
         return
     paused = _paused(obj)
     before = dict(paused)
+    known = {}
     for name in (*NAMES, TURN):
-        modifier = find_modifier(obj, name)
-        cache_file = _cache_file(obj, LAMBDA if name == TURN else name)
-        if modifier is None or cache_file is None:
+        for number, modifier in enumerate(modifiers_of(obj, name)):
+            known[name if number == 0 else f"{name} {number + 1}"] = modifier
+    for name, modifier in known.items():
+        cache_file = _cache_file(obj, LAMBDA) if name == TURN else modifier.cache_file
+        if cache_file is None:
             paused.pop(name, None)
         elif fit(cache_file, obj.data) is Fit.OTHER:
-            if modifier.show_viewport or modifier.show_render:
+            drivers = [curve for curve in drivers_of(obj, modifier) if not curve.mute]
+            if drivers or modifier.show_viewport or modifier.show_render:
                 paused[name] = [modifier.show_viewport, modifier.show_render]
+                for curve in drivers:
+                    curve.mute = True
                 modifier.show_viewport = modifier.show_render = False
         elif name in paused:
             modifier.show_viewport, modifier.show_render = paused.pop(name)
+            for curve in drivers_of(obj, modifier):
+                curve.mute = False
+    paused = {name: switches for name, switches in paused.items() if name in known}
     if paused != before:
         obj.stormfield.paused = json.dumps(paused) if paused else ""
 

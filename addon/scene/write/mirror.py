@@ -15,11 +15,12 @@ import numpy as np
 
 from ... import compat
 from ...cache.layout import TIME_CODES_PER_LAMBDA as TIME_CODES
-from ..read.attached import FRAMES, OVER_LAMBDA, find_modifier
+from ..read.attached import FRAMES, OVER_LAMBDA, find_modifier, modifiers_of
 from ..read.lambda_seen import lambda_alone, lambda_at_frames, time_stretch
 from ..read.lambda_source import driver_of, is_scripted, plain_keys, why_sampled
 from .cache_files import follow_frames, follow_lambda, remove_curve
 from .fcurves import copy_scaled, is_multiple, scale, set_points
+from .scene_flows import scene_of
 
 #: λ may lie this far from the straight line between two frames before frames in between are sampled as well.
 BEND = 1e-3
@@ -57,9 +58,9 @@ def mirror_all(context: bpy.types.Context) -> Mirrored:
     for obj in list(bpy.data.objects):
         if obj.type == "MESH" and obj.is_editable and obj.stormfield.enabled:
             _mirror(context, obj, mirrored)
-            flow = find_modifier(obj, FRAMES)
-            if flow is not None and flow.cache_file is not None and flow.cache_file.is_editable:
-                follow_frames(flow.cache_file, context.scene)
+            for flow in modifiers_of(obj, FRAMES):
+                if flow.cache_file is not None and flow.cache_file.is_editable:
+                    follow_frames(flow.cache_file, scene_of(flow) or context.scene)
     mirrored.release()
     return mirrored
 
