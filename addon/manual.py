@@ -36,7 +36,7 @@ OPERATORS = {
     ),
     "panels/edits": (
         *("cancel_pair", "cancel_weakest", "simplify", "move_point", "smooth_region", "transform_field"),
-        *("remove_edit", "move_edit"),
+        *("apply_edits", "remove_edit", "move_edit"),
     ),
     "panels/graph": ("keep_entity",),
     "panels/curves": ("streamlines", "pathlines"),

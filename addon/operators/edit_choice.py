@@ -3,9 +3,10 @@
 
 import bpy
 
-from ..scene.read.current_field import why_no_field
+from ..scene.read.current_field import is_given, why_no_field
+from ..scene.read.freshness import edits_digests
 from ..session import edit_preview, freshness
-from . import solve
+from . import requirements, solve
 
 #: λ that differ by less are the same.
 SAME_LAMBDA = 1e-4
@@ -13,18 +14,25 @@ SAME_LAMBDA = 1e-4
 
 def why_not_field(obj: bpy.types.Object) -> str:
     """Why the field cannot be edited now, and the cure; empty when it can."""
-    field = obj.stormfield
-    if not field.solve.solved and not why_no_field(obj):
-        return "This field was not solved here: Solve, or edit a given field with stormfield edit on the command line"
+    if is_given(obj):
+        unapplied = "Apply Edits first: edits were changed" if edits_differ(obj) else ""
+        return requirements.problem() or why_no_field(obj) or unapplied
+    if not obj.stormfield.solve.solved and not why_no_field(obj):
+        return "This field was not solved here: Solve first"
     stale = freshness.why_out_of_date(obj)
     return solve.why_not(obj) or why_no_field(obj) or (f"Solve first: {stale}" if stale else "")
+
+
+def edits_differ(obj: bpy.types.Object) -> bool:
+    """Whether the edits of a given field are others than those that were applied."""
+    return edits_digests(obj) != [part for part in obj.stormfield.edited.split(",") if part]
 
 
 def why_not_region(obj: bpy.types.Object) -> str:
     """The same for edits of a region, which may be selected in Edit Mode."""
     if obj.mode != "EDIT":
         return why_not_field(obj)
-    return "" if obj.stormfield.solve.solved else "Solve first: there is no field on the mesh yet"
+    return "" if obj.stormfield.solve.solved or is_given(obj) else "Solve first: there is no field on the mesh yet"
 
 
 def why_not(obj: bpy.types.Object) -> str:

@@ -4,7 +4,14 @@
 import bpy
 from bpy.props import EnumProperty
 
+from ..model.design import Design
 from ..scene.read.active_field import active_field
+from ..scene.read.current_field import is_given, why_no_field
+from ..scene.read.edits import read_edits
+from ..scene.read.mesh import read_mesh
+from . import requirements
+from .edit_operator import given_solves, show_given
+from .job_operator import JobOperator
 from .shared import FieldOperator
 
 
@@ -54,4 +61,28 @@ class STORMFIELD_OT_move_edit(EditListOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (STORMFIELD_OT_remove_edit, STORMFIELD_OT_move_edit)
+class STORMFIELD_OT_apply_edits(JobOperator, bpy.types.Operator):
+    """Apply the list to a field that was imported or comes from an attribute, as it was given. Esc stops"""
+
+    bl_idname = "stormfield.apply_edits"
+    bl_label = "Apply Edits"
+    bl_options = {"REGISTER", "UNDO"}
+    job_title = "Editing"
+
+    @staticmethod
+    def why_not(obj):
+        if not is_given(obj):
+            return "Solve applies the edits of a field that was solved here"
+        return requirements.problem() or why_no_field(obj)
+
+    def start(self, context, obj):
+        mesh, edits = read_mesh(obj), read_edits(context, obj)
+        return given_solves(obj, mesh)(Design((), edits=edits))
+
+    def finish(self, _context, obj, result):
+        show_given(obj, result)
+        refused = sum(edit.enabled and edit.status == "refused" for edit in obj.stormfield.edits)
+        self.report({"WARNING" if refused else "INFO"}, f"'{obj.name}' has its edits, {refused} refused")
+
+
+CLASSES = (STORMFIELD_OT_apply_edits, STORMFIELD_OT_remove_edit, STORMFIELD_OT_move_edit)

@@ -6,22 +6,30 @@ of that went well it enters the list and the new field is shown; otherwise every
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from ..analysis.entities import EntityGraph
 from ..analysis.steps import ecg_steps
 from ..bake.edited import read_outcomes
+from ..bake.edited_given import edited_given_steps
 from ..cache.field_cache import open_cache
 from ..cache.fields import ATTRIBUTE
+from ..model.design import Design
 from ..model.edits import Edit, EntityAt, edits_from_json
 from ..model.errors import InputError
+from ..scene.read.attached import LAMBDA, attached_folder
+from ..scene.read.current_field import is_given
 from ..scene.read.design import read_design
+from ..scene.read.freshness import edits_digests
+from ..scene.read.mesh import read_polygons
 from ..scene.read.sample import Sample
-from ..scene.write import analysis_objects
-from ..scene.write.edits import add_edit
-from ..session import freshness, made_caches
+from ..scene.write import analysis_objects, attach
+from ..scene.write.edits import add_edit, show_outcomes
+from ..session import found_caches, freshness, made_caches, solver_state
 from ..work import Steps, scaled
 from . import solve
 from .edit_choice import why_not_field
@@ -64,15 +72,19 @@ class EditOperator(solve.SolvingOperator):
         self._analysis = (ecg.lam, ecg.shown_field) if ecg.made else None
         self._known = [(item.name, EntityAt(item.kind, tuple(item.position))) for item in ecg.items]
         mesh, design = read_design(context, obj)
-        solves = self.solver(obj, mesh, design.settings)
+        self._given = is_given(obj)
+        solves = given_solves(obj, mesh) if self._given else self.solver(obj, mesh, design.settings)
         return self._edited(design, Sample(obj, mesh, field.lam, self._attribute), solves)
 
     def finish(self, context, obj, result):
         folder, graph, edit = result
         before = len(obj.stormfield.analysis.ecg.items)
         add_edit(obj, edit, self.title(edit), **self.drawn())
-        self._read = freshness.read(obj)
-        super().finish(context, obj, folder)
+        if self._given:
+            show_given(obj, folder)
+        else:
+            self._read = freshness.read(obj)
+            super().finish(context, obj, folder)
         name = obj.stormfield.edits[-1].name
         if graph is None or self._analysis is None:
             self.report({"INFO"}, f"{name}: done")
@@ -93,7 +105,8 @@ class EditOperator(solve.SolvingOperator):
         folder = yield from scaled(solves(design), PROPOSED, SOLVED)
         outcome = read_outcomes(folder)[-1]
         if outcome.status == "refused":
-            made_caches.note(folder, self._before)
+            if not self._given:
+                made_caches.note(folder, self._before)
             raise InputError(outcome.reason)
         if self._analysis is None:
             return folder, None, edit
@@ -102,6 +115,21 @@ class EditOperator(solve.SolvingOperator):
         analysis = ecg_steps(sample.surface.mesh, sample.surface.to_surface(values).astype(np.float64), lam)
         graph = yield from scaled(analysis, SOLVED, 1.0)
         return folder, graph, edit
+
+
+def given_solves(obj, mesh) -> Callable[[Design], Steps[Path]]:
+    """What applies the edits of a design to the given field of an object."""
+    folder, polygons = Path(attached_folder(obj, LAMBDA)), read_polygons(obj)
+    memory = solver_state.reuse_of(obj).edits if obj.stormfield.solve.keep_solver else None
+    return lambda design: edited_given_steps(folder, mesh, design.edits, polygons, memory)
+
+
+def show_given(obj, folder: Path) -> None:
+    """Attach the edited cache of a given field, and remember the edits that it has."""
+    attach.show_solved(obj, folder)
+    show_outcomes(obj, folder)
+    obj.stormfield.edited = ",".join(edits_digests(obj))
+    found_caches.forget(obj)
 
 
 def make_edit(content: dict) -> Edit:

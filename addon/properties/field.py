@@ -81,6 +81,9 @@ class FieldProperties(bpy.types.PropertyGroup):
     edits: CollectionProperty(
         type=EditProperties, name="Edits", description="What Solve changes in the field after solving, in this order"
     )
+    edited: StringProperty(
+        name="Edited", description="The edits of a given field that were applied last", options={"HIDDEN"}
+    )
     active_edit: IntProperty(name="Active Edit", description="Index of the edit shown below the list")
     cache_name: StringProperty(
         name="Cache Name", description="Name of the folder of this object's caches; it stays when the object is renamed"

@@ -13,7 +13,7 @@ import bpy
 
 from ..edits.partners import Partner, Simpler, partner_steps, simplify_steps
 from ..model.edits import EntityAt
-from ..scene.read.current_field import why_no_field
+from ..scene.read.current_field import is_given, why_no_field
 from ..scene.read.mesh import read_mesh
 from ..scene.read.sample import Sample
 from ..scene.write.selection import redraw
@@ -76,7 +76,8 @@ def _can_be_edited(obj: bpy.types.Object) -> bool:
     """Cheap enough for every redraw: a graph of what is shown."""
     shown, ecg = obj.stormfield, obj.stormfield.analysis.ecg
     current = abs(shown.lam - ecg.lam) < SAME_LAMBDA and shown.look.shown_field == ecg.shown_field
-    return bool(ecg.made and current and shown.solve.solved and not why_no_field(obj))
+    known = shown.solve.solved or is_given(obj)
+    return bool(ecg.made and current and known and not why_no_field(obj))
 
 
 def _asked(obj: bpy.types.Object, which: str, key: tuple, make: Callable[[bpy.types.Object], Steps]) -> _Work:

@@ -3,15 +3,16 @@
 
 import bpy
 
-from ..operators.edit_choice import picked, why_not_cancel, why_not_region
+from ..operators.edit_choice import edits_differ, picked, why_not_cancel, why_not_region
 from ..operators.edit_operator import EditOperator
 from ..scene.read.active_field import active_field
+from ..scene.read.current_field import is_given
 from ..session import edit_preview
 from .panel_parts import FieldPanel, draw_progress, hint, text_lines
 
 #: What became of an edit, before the reason why it was not done, or not all of it.
 WORDS = {"refused": "Refused", "applied": "Applied in part"}
-WAITING = "It waits for the next Solve"
+WAITING = "It waits to be applied"
 
 
 class STORMFIELD_PT_edits(FieldPanel, bpy.types.Panel):
@@ -37,6 +38,10 @@ class STORMFIELD_PT_edits(FieldPanel, bpy.types.Panel):
         field = obj.stormfield
         if not field.edits:
             return
+        if is_given(obj):
+            row = layout.row()
+            row.active = edits_differ(obj)
+            row.operator("stormfield.apply_edits", icon="CHECKMARK")
         row = layout.row()
         row.template_list("STORMFIELD_UL_edits", "", field, "edits", field, "active_edit", rows=3)
         column = row.column(align=True)

@@ -4,6 +4,7 @@
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 from edited_pair import AS_SOLVED, CANCELLED, EAST, NORTH, SADDLE, SOUTH, kinds, select, vectors
 
@@ -229,7 +230,93 @@ def test_the_order_of_the_list_is_that_of_the_design(pair):
     assert bpy.ops.stormfield.move_edit(direction="UP") == {"CANCELLED"}
 
 
-def test_a_field_that_was_given_says_where_it_can_be_edited(rings):
+def test_a_field_without_a_cache_says_what_to_do(rings):
     bpy.ops.stormfield.analyze()
-    with pytest.raises(RuntimeError, match="stormfield edit on the command line"):
+    with pytest.raises(RuntimeError, match="not solved here: Solve first"):
         bpy.ops.stormfield.cancel_weakest()
+
+
+# Fields that were given -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def given(pair):
+    """The pair's field as an attribute of a ball without elements."""
+    values = np.frombuffer(vectors(pair), np.float32)
+    attribute = pair.data.attributes.new("wind", "FLOAT_VECTOR", "POINT")
+    attribute.data.foreach_set("vector", values)
+    bpy.ops.stormfield.forget_analysis()
+    pair.stormfield.elements.clear()
+    assert bpy.ops.stormfield.field_from_attribute(attribute="wind") == {"FINISHED"}
+    assert bpy.ops.stormfield.analyze() == {"FINISHED"} and kinds(pair) == AS_SOLVED
+    return pair
+
+
+def test_a_given_field_is_edited_and_given_back(given):
+    from stormfield.scene.read.attached import LAMBDA, attached_folder
+
+    before, folder = vectors(given), attached_folder(given, LAMBDA)
+    select(given, SADDLE, EAST)
+    assert bpy.ops.stormfield.cancel_pair() == {"FINISHED"} and kinds(given) == CANCELLED
+    edited = vectors(given)
+    assert edited != before and given.stormfield.edits[0].status == "applied"
+    assert bpy.ops.stormfield.cancel_weakest.poll()
+    given.stormfield.edits[0].enabled = False
+    with pytest.raises(RuntimeError, match="Apply Edits first: edits were changed"):
+        bpy.ops.stormfield.cancel_weakest()
+    assert bpy.ops.stormfield.apply_edits() == {"FINISHED"}
+    assert vectors(given) == before and attached_folder(given, LAMBDA) == folder
+    given.stormfield.edits[0].enabled = True
+    assert bpy.ops.stormfield.apply_edits() == {"FINISHED"} and vectors(given) == edited
+    # Two of the list act on the field as it was given, not on what the first has made.
+    assert bpy.ops.stormfield.transform_field(angle=90, lam_start=0, lam_end=0) == {"FINISHED"}
+    assert [edit.status for edit in given.stormfield.edits] == ["applied", "applied"]
+    bpy.ops.stormfield.remove_edit()
+    bpy.ops.stormfield.apply_edits()
+    assert vectors(given) == edited
+
+
+def test_a_given_field_whose_first_cache_is_gone_says_so(given):
+    import shutil
+
+    from stormfield.scene.read.attached import LAMBDA, attached_folder
+
+    folder = Path(attached_folder(given, LAMBDA))
+    select(given, SADDLE, EAST)
+    bpy.ops.stormfield.cancel_pair()
+    edited = vectors(given)
+    shutil.rmtree(folder)
+    bpy.ops.stormfield.remove_edit()
+    with pytest.raises(RuntimeError, match="is gone: import it, or read its attribute, again"):
+        bpy.ops.stormfield.apply_edits()
+    assert vectors(given) == edited
+
+
+def test_what_the_core_refuses_of_a_given_field_changes_nothing(given):
+    bpy.ops.stormfield.cancel_weakest()
+    select(given, NORTH, SOUTH)
+    before = vectors(given)
+    with pytest.raises(RuntimeError) as refusal:
+        bpy.ops.stormfield.cancel_pair()
+    assert "Traceback" not in str(refusal.value)
+    assert vectors(given) == before and len(given.stormfield.edits) == 1
+
+
+def test_apply_edits_is_for_given_fields(pair):
+    with pytest.raises(RuntimeError, match="Solve applies the edits"):
+        bpy.ops.stormfield.apply_edits()
+
+
+def test_a_cache_that_cannot_be_written_changes_nothing(pair, monkeypatch):
+    from stormfield.cache.field_cache import FieldCacheWriter
+
+    def refuse(*_):
+        raise PermissionError(13, "Permission denied", "caches")
+
+    before = vectors(pair)
+    select(pair, SADDLE)
+    monkeypatch.setattr(FieldCacheWriter, "write_sample", refuse)
+    monkeypatch.setattr(FieldCacheWriter, "write_all", refuse)
+    with pytest.raises(RuntimeError, match="Permission denied"):
+        bpy.ops.stormfield.cancel_pair()
+    assert vectors(pair) == before and not pair.stormfield.edits and kinds(pair) == AS_SOLVED

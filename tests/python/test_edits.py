@@ -2,19 +2,24 @@
 """Edits: the data, what they do to a field over λ, the command, and the edits of a design."""
 
 import json
+from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
 from command_line import refused, run
+from data_sets import data_set
 from stormfield import native
 from stormfield.cache.field_cache import open_cache
 from stormfield.edits import edit_steps, notes_of, to_json
 from stormfield.model.design import Design
 from stormfield.model.edits import edits_from_json
 from stormfield.model.errors import InputError
+from stormfield.readers import read_field
 from stormfield.readers.icosphere import icosphere
 from stormfield.work import run as finish
+
+SCRIPTS = Path(__file__).parents[2] / "scripts"
 
 
 def edits(*given):
@@ -480,3 +485,31 @@ def test_faces_of_a_mesh_are_found_on_the_surface_that_was_solved(tmp_path):
     assert changed[away < 0.35].all() and not changed[away > 0.7].any()
     gone = Design.from_json({**content, "edits": [{**content["edits"][0], "region": {"faces": [99999]}}]})
     assert "there is no face 99999" in finish(edited_solution(solution, gone)).outcomes[0].reason
+
+
+# The gas engine -------------------------------------------------------------------------------------------------------
+
+
+def test_six_regions_of_a_user_simplify_the_gas_engine():
+    """Thesis figure 4.4: five to six smoothed regions leave the large tumble and little else."""
+    regions = edits_from_json(json.loads((SCRIPTS / "engine_smoothing.json").read_text()))
+    assert len(regions) == 6 and {edit.type for edit in regions} == {"smooth"}
+    data = read_field(data_set("gasEngineV.t"))
+    mesh = native.TriangleMesh(data.mesh.vertices, data.mesh.triangles)
+    before = native.VectorField.from_space(mesh, np.asarray(data.vectors[0], np.float64))
+    one = native.ParameterizedField(mesh, np.zeros(1), np.asarray(before.values)[None])
+    edited = finish(edit_steps(one, regions))
+    assert [report.status for report in edited.reports] == ["applied"] * 6
+    after = edited.field.sample(0)
+    counts = [len(found.fixed_points) + len(found.periodic_orbits) for found in map(native.topology, (before, after))]
+    assert counts[0] == 64 and counts[1] <= 16
+    # The tumble ends in two sinks on the far wall, which stand where they stood; no region is near.
+    tumble = [p.position for p in native.fixed_points(before) if p.kind == "sink" and p.position[1] < -0.05]
+    found = [p.position for p in native.fixed_points(after)]
+    assert len(tumble) == 2 and all(any(np.array_equal(place, own) for own in found) for place in tumble)
+    inside = np.zeros(mesh.vertex_count, bool)
+    for report in edited.reports:
+        inside[np.asarray(mesh.triangles)[list(report.samples[0].faces)]] = True
+    np.testing.assert_array_equal(np.asarray(after.values)[~inside], np.asarray(before.values)[~inside])
+    assert 0.05 < inside.mean() < 0.4
+    assert sum(after.poincare_indices()) == sum(before.poincare_indices())

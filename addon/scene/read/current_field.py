@@ -7,6 +7,7 @@ surface in it.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import bpy
@@ -81,6 +82,18 @@ def cache_of(obj: bpy.types.Object, mesh: MeshData) -> FieldCache:
     cache = open_cache(Path(folder))
     cache.check_mesh(mesh)
     return cache
+
+
+def is_given(obj: bpy.types.Object) -> bool:
+    """Whether the field was given and not solved. Quick enough for panels."""
+    folder = attached_folder(obj, LAMBDA)
+    return folder is not None and not obj.stormfield.solve.solved and _has_base(str(folder))
+
+
+@lru_cache(maxsize=16)
+def _has_base(folder: str) -> bool:
+    """Of a finished cache, whose origin never changes."""
+    return (Path(folder) / MANIFEST).is_file() and "base" in open_cache(Path(folder)).settings
 
 
 def base_folder(obj: bpy.types.Object) -> Path | None:

@@ -35,8 +35,13 @@ def read(obj: bpy.types.Object, mesh: str | None = None) -> dict[str, Json]:
         "settings": settings_digest(obj),
         "size": max(obj.dimensions[:]),
         "elements": [element_entry(obj, element) for element in obj.stormfield.elements if element.enabled],
-        "edits": [digest(*facts(obj, number)) for number, edit in enumerate(obj.stormfield.edits) if edit.enabled],
+        "edits": edits_digests(obj),
     }
+
+
+def edits_digests(obj: bpy.types.Object) -> list[str]:
+    """Of the edits that are turned on, in their order."""
+    return [digest(*facts(obj, number)) for number, edit in enumerate(obj.stormfield.edits) if edit.enabled]
 
 
 def changes(before: dict[str, Json], now: dict[str, Json]) -> list[str]:
