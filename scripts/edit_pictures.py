@@ -248,12 +248,12 @@ def simplified() -> None:
 
 
 def wind() -> None:
-    """Wind around the hurricane Michael: ten storms, the nodes and orbits of 18 entities on the sphere."""
+    """Wind around the hurricane Michael: what is left of 343 entities."""
     choice = Choice(sphere_faces=8000)
     data = read_field(Path(os.environ["STORMFIELD_DATA"]) / "gfs_wind_michael_2018.npz", choice)
     mesh = native.TriangleMesh(data.mesh.vertices, data.mesh.triangles)
     flow = Flow.of(native.VectorField.from_space(mesh, np.asarray(data.vectors[0], np.float64)))
-    result = native.simplify(flow.field, flow.topology, keep=18)
+    result = native.simplify(flow.field, flow.topology, keep=20)
     side_by_side("wind", flow, Flow(result.field, result.topology), 0.013, dots=18.0)
 
 
