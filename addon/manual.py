@@ -29,7 +29,7 @@ OPERATORS = {
         *("subdivide_mesh", "solve_on_density", "fix_normals", "fill_parts", "leave_out_parts"),
     ),
     "panels/bake": ("bake", "use_baked_caches", "bring_caches", "clean_caches"),
-    "panels/shading": ("apply_material",),
+    "panels/shading": ("apply_material", "material_from_image"),
     "panels/analysis": (
         *("analyze", "analyze_lambda", "go_to_entity", "show_graph", "update_markers"),
         *("forget_analysis", "select_entity"),

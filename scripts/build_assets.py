@@ -35,6 +35,7 @@ MATERIALS = {
     "lava": "Dark crust with glowing cracks, carried by the flow",
     "brushed_stripes": "Brushed metal, stripes along the orientation field",
     "caustic_ripple": "Light on the ground of shallow water",
+    "fibres": "Hair or silk, combed along the orientation field",
 }
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials that flow: procedural, CC0, for Cycles and EEVEE, built as node trees from the baked attributes.
 
+From an image: shading/from_image.py.
 ``MATERIALS`` maps an identifier to (label, builder); ``shared_material`` is the one of a file, ``build_material`` makes
 a new one.
 Settings of a builder are the inputs of its node group in lower case.
@@ -12,6 +13,7 @@ import bpy
 
 from .brushed_stripes import brushed_stripes
 from .caustic_ripple import caustic_ripple
+from .fibres import fibres
 from .lava import lava
 from .storm_clouds import storm_clouds
 
@@ -20,6 +22,7 @@ MATERIALS = {
     "lava": ("Lava", lava),
     "brushed_stripes": ("Brushed Stripes", brushed_stripes),
     "caustic_ripple": ("Caustic Ripple", caustic_ripple),
+    "fibres": ("Fibres", fibres),
 }
 
 

@@ -231,6 +231,7 @@ class STORMFIELD_PT_shading(FieldPanel, bpy.types.Panel):
         obj = active_field(context)
         material = obj.active_material
         layout.operator_menu_enum("stormfield.apply_material", "material", icon="MATERIAL")
+        layout.operator("stormfield.material_from_image", text="From Image", icon="IMAGE_DATA")
         if material is not None:
             layout.label(text=material.name, icon="MATERIAL_DATA")
         if find_modifier(obj, FRAMES) is None:

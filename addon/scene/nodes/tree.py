@@ -224,18 +224,42 @@ class Tree:
             self.connect(value, node.inputs[name])
         return Socket(self, node.outputs[1])
 
+    def white_noise(self, place: Socket) -> Socket:
+        """Three random numbers for each vector, as one colour."""
+        node = self.node("ShaderNodeTexWhiteNoise", noise_dimensions="3D")
+        self.connect(place, node.inputs["Vector"])
+        return Socket(self, node.outputs["Color"])
+
+    def image(self, image: bpy.types.Image, place: Socket, interpolation: str, extension: str) -> tuple[Socket, Socket]:
+        """Colour and opacity of an image at UV coordinates."""
+        node = self.node("ShaderNodeTexImage", image=image, interpolation=interpolation, extension=extension)
+        self.connect(place, node.inputs["Vector"])
+        return Socket(self, node.outputs["Color"]), Socket(self, node.outputs["Alpha"])
+
     def phasor(
         self, coordinate: Socket, scale: Operand, frequency: Operand, direction: Socket, weight: Operand
     ) -> tuple[Socket, Socket]:
         """Real and imaginary part of weighted phasor noise whose waves run along ``direction``."""
-        node = self.node("ShaderNodeTexGabor", gabor_type="3D")
-        inputs = ("Vector", "Scale", "Frequency", "Anisotropy")
-        for name, value in zip(inputs, (coordinate, scale, frequency, 1.0), strict=True):
-            self.connect(value, node.inputs[name])
-        self.connect(direction, next(s for s in node.inputs if s.identifier == "Orientation 3D"))
+        node = self._gabor(coordinate, scale, frequency, direction, 1.0)
         angle = Socket(self, node.outputs["Phase"]) * math.tau
         radius = Socket(self, node.outputs["Intensity"]) * weight
         return self.math("COSINE", angle) * radius, self.math("SINE", angle) * radius
+
+    def gabor(
+        self, coordinate: Socket, scale: Operand, frequency: Operand, direction: Socket, anisotropy: Operand
+    ) -> Socket:
+        """Gabor noise of mean 0.5 whose waves run along ``direction``: exactly for anisotropy 1, anywhere for 0."""
+        return Socket(self, self._gabor(coordinate, scale, frequency, direction, anisotropy).outputs["Value"])
+
+    def _gabor(
+        self, coordinate: Socket, scale: Operand, frequency: Operand, direction: Socket, anisotropy: Operand
+    ) -> bpy.types.Node:
+        node = self.node("ShaderNodeTexGabor", gabor_type="3D")
+        inputs = ("Vector", "Scale", "Frequency", "Anisotropy")
+        for name, value in zip(inputs, (coordinate, scale, frequency, anisotropy), strict=True):
+            self.connect(value, node.inputs[name])
+        self.connect(direction, next(s for s in node.inputs if s.identifier == "Orientation 3D"))
+        return node
 
     def object_normal(self) -> Socket:
         """The smooth normal in the space of the mesh, as the fields are."""
