@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 FOLDER = Path(os.environ["STORMFIELD_WALK"])
 #: Seconds between two looks for a question.
 TICK = 0.03
-_asked = 0
+_asked = _drawn = 0
 
 
 def view():
@@ -34,6 +34,15 @@ def box(kind="WINDOW"):
     """[left, top, right, bottom] of a region of the 3D view, in pixels of the screen from its upper left corner."""
     window, _area, regions = view()
     region = regions[kind]
+    top = window.height - region.y - region.height
+    return [region.x, top, region.x + region.width, top + region.height]
+
+
+def area_box(kind):
+    """[left, top, right, bottom] of the main region of an editor, by its type."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.ui_type == kind)
+    region = next(region for region in area.regions if region.type == "WINDOW")
     top = window.height - region.y - region.height
     return [region.x, top, region.x + region.width, top + region.height]
 
@@ -59,12 +68,32 @@ def on_screen(place):
     return [region.x + x, window.height - region.y - y]
 
 
+def drawn():
+    """How often the 3D views were drawn."""
+    return _drawn
+
+
+def count_drawing():
+    global _drawn
+    _drawn += 1
+
+
+def busy():
+    """Whether shaders are compiled."""
+    return bpy.app.is_job_running("SHADER_COMPILATION")
+
+
+def playing():
+    return bpy.context.window_manager.windows[0].screen.is_animation_playing
+
+
 def answer_questions():
     global _asked
     question = FOLDER / f"{_asked}.py"
     if not question.is_file():
         return TICK
-    known = {"bpy": bpy, "sys": sys, "view": view, "box": box, "under_pointer": under_pointer, "on_screen": on_screen}
+    helpers = (view, box, area_box, under_pointer, on_screen, drawn, busy, playing)
+    known = {"bpy": bpy, "sys": sys, **{helper.__name__: helper for helper in helpers}}
     try:
         exec(compile(question.read_text(encoding="utf-8"), question.name, "exec"), known)
         told = {"answer": known.get("answer")}
@@ -83,6 +112,7 @@ def main():
     import window_shot
 
     window_shot.load_addon()
+    bpy.types.SpaceView3D.draw_handler_add(count_drawing, (), "WINDOW", "POST_PIXEL")
     bpy.context.preferences.view.show_splash = False
     bpy.app.timers.register(answer_questions, first_interval=1.0, persistent=True)
 

@@ -12,186 +12,13 @@ an artist counts them: a click, a drag, a key, a word that is typed.
 import argparse
 import json
 import os
-import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-ROOT = Path(__file__).resolve().parents[1]
-BLENDER = os.environ.get("BLENDER", "blender")
-WIDTH, HEIGHT = 1920, 1080
-#: Seconds until Blender must have answered, and for its window to settle after an action.
-PATIENCE, SETTLE = 240.0, 0.35
-
-
-class WalkError(Exception):
-    """A claim that does not hold, or a button that is not there."""
-
-
-class Window:
-    """Blender in its window: what an artist does to it, and what it says when asked."""
-
-    def __init__(self, out: Path):
-        self.out = out
-        self.asked = self.actions = self.pictures = 0
-        self.spent = 0.0  # seconds that searching for buttons took, which an artist sees at a glance
-        shutil.rmtree(out, ignore_errors=True)
-        (out / "asked").mkdir(parents=True)
-        self.log = (out / "blender.log").open("w", encoding="utf-8")
-        self.process = subprocess.Popen(
-            [
-                *(BLENDER, "--factory-startup", "--gpu-backend", "opengl"),
-                *("--window-geometry", "0", "0", str(WIDTH), str(HEIGHT)),
-                *("-P", str(ROOT / "scripts" / "walk_inside.py")),
-            ],
-            env={**os.environ, "STORMFIELD_WALK": str(out / "asked")},
-            stdout=self.log,
-            stderr=subprocess.STDOUT,
-        )
-        self.ask("answer = bpy.app.version_string")
-
-    def close(self) -> None:
-        self.process.kill()
-        self.process.wait()
-        self.log.close()
-
-    # Questions --------------------------------------------------------------------------------------------------------
-
-    def ask(self, code: str) -> Any:
-        """What Python code in Blender leaves in `answer`."""
-        folder = self.out / "asked"
-        question = folder / f"{self.asked}.part.py"
-        question.write_text(code, encoding="utf-8")
-        question.rename(folder / f"{self.asked}.py")
-        answer = folder / f"{self.asked}.json"
-        end = time.monotonic() + PATIENCE
-        while not answer.is_file():
-            if self.process.poll() is not None:
-                raise WalkError(f"Blender ended with {self.process.returncode}; see {self.log.name}")
-            if time.monotonic() > end:
-                raise WalkError(f"Blender did not answer for {PATIENCE:.0f} s: {code}")
-            time.sleep(0.02)
-        self.asked += 1
-        told = json.loads(answer.read_text(encoding="utf-8"))
-        if "fault" in told:
-            raise WalkError(told["fault"])
-        return told["answer"]
-
-    def wait_until(self, expression: str, seconds: float = PATIENCE) -> None:
-        end = time.monotonic() + seconds
-        while not self.ask(f"answer = bool({expression})"):
-            if time.monotonic() > end:
-                raise WalkError(f"still not so after {seconds:.0f} s: {expression}")
-            time.sleep(0.1)
-
-    def box(self, region: str = "WINDOW") -> tuple[int, int, int, int]:
-        return tuple(self.ask(f"answer = box({region!r})"))
-
-    # Hands ------------------------------------------------------------------------------------------------------------
-
-    def move(self, x: float, y: float) -> None:
-        xdotool("mousemove", str(round(x)), str(round(y)))
-
-    def click(self, x: float, y: float, button: int = 1) -> None:
-        self.actions += 1
-        self.move(x, y)
-        time.sleep(0.1)
-        xdotool("click", str(button))
-        time.sleep(SETTLE)
-
-    def key(self, name: str) -> None:
-        """One key with its modifiers, as xdotool names them: "shift+a", "Return"."""
-        self.actions += 1
-        xdotool("key", name)
-        time.sleep(SETTLE)
-
-    def type(self, word: str) -> None:
-        self.actions += 1
-        for letter in word:
-            xdotool("key", "space" if letter == " " else letter)
-            time.sleep(0.15)
-        time.sleep(4 * SETTLE)
-
-    def drag(self, places: Sequence[tuple[float, float]]) -> None:
-        self.actions += 1
-        self.move(*places[0])
-        time.sleep(0.1)
-        xdotool("mousedown", "1")
-        for place in places:
-            self.move(*place)
-            time.sleep(0.03)
-        xdotool("mouseup", "1")
-        time.sleep(SETTLE)
-
-    def over_view(self) -> None:
-        """Rest the pointer in the middle of the 3D view, which costs no action."""
-        left, top, right, bottom = self.box()
-        self.move((left + right) / 2, (top + bottom) / 2)
-        time.sleep(SETTLE)
-
-    def find(self, name: str, region: str = "UI") -> tuple[float, float]:
-        """Where the button of that operator or setting is in a region, found by moving the pointer down over it."""
-        began = time.monotonic()
-        left, top, right, bottom = self.box(region)
-        try:
-            for x in (0.3, 0.6, 0.82):
-                for y in range(top + 30, bottom - 8, 11):
-                    place = left + x * (right - left), float(y)
-                    self.move(*place)
-                    time.sleep(0.03)
-                    if name in self.ask(f"answer = under_pointer({region!r})"):
-                        return place
-        finally:
-            self.spent += time.monotonic() - began
-        raise WalkError(f"there is no button {name} in the region {region}")
-
-    def press(self, name: str, region: str = "UI") -> None:
-        self.click(*self.find(name, region))
-
-    def open_tab(self, name: str) -> None:
-        """The sidebar with that tab in front, by N and a click on the tab."""
-        if not self.ask("answer = view()[1].spaces.active.show_region_ui"):
-            self.over_view()
-            self.key("n")
-        began, actions = time.monotonic(), self.actions
-        _left, top, right, bottom = self.box("UI")
-        for y in range(top + 20, bottom - 10, 18):
-            self.click(right - 8, y)
-            if self.ask("answer = view()[2]['UI'].active_panel_category") == name:
-                break
-        else:
-            raise WalkError(f"the sidebar has no tab {name}")
-        self.actions = actions + 1
-        self.spent += time.monotonic() - began
-
-    # Pictures and claims ----------------------------------------------------------------------------------------------
-
-    def picture(self, name: str) -> Path:
-        self.pictures += 1
-        path = self.out / f"{self.pictures:02d}-{name}.png"
-        subprocess.run(["import", "-window", "root", str(path)], check=True)
-        return path
-
-    def view_picture(self) -> Path:
-        """The 3D view alone."""
-        left, top, right, bottom = self.box()
-        path = self.out / "asked" / f"view-{time.monotonic_ns()}.png"
-        crop = f"{right - left}x{bottom - top}+{left}+{top}"
-        subprocess.run(["import", "-window", "root", "-crop", crop, "+repage", str(path)], check=True)
-        return path
-
-    def no_traceback(self) -> None:
-        self.log.flush()
-        text = Path(self.log.name).read_text(encoding="utf-8")
-        if "Traceback" in text:
-            raise WalkError(text[text.index("Traceback") :][:2000])
-
-
-def xdotool(*arguments: str) -> None:
-    subprocess.run(["xdotool", *arguments], check=True)
+from walk_screen import ROOT, WalkError, Window
 
 
 def difference(one: Path, other: Path) -> float:
@@ -213,7 +40,6 @@ def claim(holds: bool, what: str) -> None:
         raise WalkError(what)
 
 
-PLAYING = "bpy.context.window_manager.windows[0].screen.is_animation_playing"
 SETTINGS = """
 scene = bpy.context.scene
 answer = [scene.render.engine, scene.render.resolution_x, scene.render.fps, scene.frame_start, scene.frame_end,
@@ -233,23 +59,24 @@ def merge(window: Window) -> dict[str, float]:
     window.type("storm")
     window.picture("add-storm-merge")
     window.key("Return")
-    window.wait_until(PLAYING)
-    window.wait_until("bpy.context.scene.frame_current > 1")  # drawn once with the field
+    window.wait_until("playing() and bpy.context.scene.frame_current > 1")  # drawn once with the field
+    window.wait_until("not busy()")  # clouds at preview quality, as the view shows them
     first = window.view_picture()
-    frame = window.ask("answer = bpy.context.scene.frame_current")
-    window.picture("moving")
-    window.wait_until(f"bpy.context.scene.frame_current > {frame} + 3")
+    window.drawn_again(4)
     moved = difference(first, window.view_picture())
     seconds = time.monotonic() - began
-    claim(moved > 0.001, f"the storms move: {moved:.2%} of the view's pixels changed in 4 frames")
+    claim(moved > 0.001, f"the storms move: {moved:.2%} of the view's pixels changed in 4 pictures")
+    window.picture("moving")
     window.key("space")
+    window.ask("bpy.context.scene.frame_set(100)")
+    window.handled()
     shown = window.view_picture()
     window.ask("view()[1].spaces.active.overlay.show_overlays = False")
-    time.sleep(2.0)
+    window.handled()
     seen = difference(shown, window.view_picture())
     window.ask("view()[1].spaces.active.overlay.show_overlays = True")
+    window.settled()
     claim(seen > 0.01, f"the field is seen: {seen:.2%} of the view's pixels are of the overlay")
-    time.sleep(SHADERS)
     window.picture("clouds")
     claim(window.ask(SETTINGS) == before, "no setting of the scene has changed, and the cube is there")
     window.no_traceback()
@@ -287,17 +114,120 @@ def own(window: Window) -> dict[str, float]:
     window.picture("solved")
     window.over_view()
     window.key("space")
-    window.wait_until(PLAYING)
-    time.sleep(1.0)
-    first, frame = window.view_picture(), window.ask("answer = bpy.context.scene.frame_current")
-    window.wait_until(f"bpy.context.scene.frame_current > {frame} + 3")
+    window.wait_until("playing()")
+    first = window.view_picture()
+    window.drawn_again(4)
     moved = difference(first, window.view_picture())
     seconds = time.monotonic() - began - window.spent
     window.picture("playing")
-    claim(moved > 0.0005, f"the flow moves: {moved:.2%} of the view's pixels changed in 4 frames")
+    claim(moved > 0.0005, f"the flow moves: {moved:.2%} of the view's pixels changed in 4 pictures")
     window.no_traceback()
     claim(window.actions <= 15, f"{window.actions} actions")
     return {"actions": window.actions, "seconds": round(seconds, 1), "load": os.getloadavg()[0], "moved": moved}
+
+
+def finish(window: Window) -> dict[str, float]:
+    """From two storms that merge to a rendered picture: Add → Storm Merge, Bake, Shading, F12; and undo."""
+    window.over_view()
+    window.key("shift+a")
+    window.type("storm")
+    window.key("Return")
+    window.wait_until("playing()")
+    window.key("space")
+    window.ask(f"bake = {FIELD}.stormfield.bake; bake.use_scene_frames = False; bake.frame_end = 6")
+    window.open_tab("Stormfield")
+    began = time.monotonic()
+    window.open_panel("stormfield.bake")
+    window.picture("bake-panel")
+    window.press("stormfield.bake")
+    window.wait_until(SOLVED)
+    window.handled()
+    baked = window.ask(f"answer = [modifier.name for modifier in {FIELD}.modifiers]")
+    window.picture("baked")
+    window.no_traceback()
+    claim(bool(baked), f"the flowing texture is baked: {baked}")
+    window.open_panel("stormfield.apply_material")
+    window.press("stormfield.apply_material")
+    window.key("Down")
+    window.key("Return")
+    material = window.ask(f"answer = {FIELD}.active_material.name")
+    window.settled()
+    window.picture("material")
+    claim(material != "Storm Clouds", f"the planet has another material: {material}")
+    window.ask("bpy.context.scene.render.resolution_percentage = 25")  # for a machine that draws without a GPU
+    window.over_view()
+    window.key("F12")
+    window.wait_until("not bpy.app.is_job_running('RENDER') and bpy.data.images['Render Result'].has_data")
+    window.handled()
+    rendered = window.picture("rendered")
+    window.no_traceback()
+    claim(rendered.is_file(), "a picture is rendered")
+    seconds = time.monotonic() - began - window.spent
+    return {"actions": window.actions, "seconds": round(seconds, 1)}
+
+
+def drag(window: Window) -> dict[str, float]:
+    """From the Asset Browser onto a mesh: a material."""
+    window.ask(
+        """
+area = next(a for a in bpy.context.window_manager.windows[0].screen.areas if a.type == "PROPERTIES")
+area.ui_type = "ASSETS"
+area.spaces.active.show_region_toolbar = False
+"""
+    )
+    window.handled()
+    window.ask(
+        """
+area = next(a for a in bpy.context.window_manager.windows[0].screen.areas if a.ui_type == "ASSETS")
+area.spaces.active.params.asset_library_reference = "Stormfield"
+"""
+    )
+    window.handled()
+    began = time.monotonic()
+    left, top, _right, _bottom = window.ask("answer = area_box('ASSETS')")
+    cube = window.ask("answer = on_screen(bpy.data.objects['Cube'].location)")
+    window.picture("asset-browser")
+    drag_over(window, (left + ELEMENT[0], top + ELEMENT[1]), cube)
+    claim(window.ask("answer = bpy.context.object.type") == "CURVE", "the curve of an element is in the scene")
+    window.picture("element-dropped")
+    materials = "answer = [m.name for m in bpy.data.objects['Cube'].data.materials if m]"
+    before = window.ask(materials)
+    drag_over(window, (left + MATERIAL[0], top + MATERIAL[1]), (cube[0], cube[1] - 30))
+    after = window.ask(materials)
+    claim(after not in ([], before), f"the cube has the material {after} in place of {before}")
+    window.picture("material-dropped")
+    window.no_traceback()
+    return {"actions": window.actions, "seconds": round(time.monotonic() - began, 1)}
+
+
+#: Where the Asset Browser shows the first element and the first material, pixels from its upper left corner.
+ELEMENT, MATERIAL = (55, 55), (55, 755)
+
+
+def drag_over(window: Window, start: tuple[float, float], end: tuple[float, float]) -> None:
+    shares = [i / 20 for i in range(21)]
+    window.drag([(start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1])) for t in shares])
+
+
+def plain(window: Window) -> dict[str, float]:
+    """A Blender without USD says what it lacks, in the window, and breaks nothing."""
+    if window.ask("answer = bpy.app.build_options.usd"):
+        print("  this Blender has USD")
+        return {}
+    window.over_view()
+    window.open_tab("Stormfield")
+    window.press("stormfield.add_field")
+    window.picture("panel")
+    reason = window.ask("answer = sys.modules['stormfield.operators.requirements'].problem()")
+    claim("USD" in reason and "blender.org" in reason, f"the panel says: {reason}")
+    window.over_view()
+    window.key("shift+a")
+    window.type("storm")
+    window.picture("menu")
+    window.key("Return")
+    claim(window.ask("answer = len(bpy.data.objects)") == 3, "Storm Merge is greyed out and adds nothing")
+    window.no_traceback()
+    return {"actions": window.actions}
 
 
 def stroke(window: Window, side: float) -> list[tuple[float, float]]:
@@ -313,11 +243,17 @@ for place in {places!r}:
     return [(x, y) for x, y in window.ask(on_face)]
 
 
-WALKS: dict[str, Callable[[Window], dict[str, float]]] = {"merge": merge, "own": own}
+WALKS: dict[str, Callable[[Window], dict[str, float]]] = {
+    "merge": merge,
+    "own": own,
+    "finish": finish,
+    "drag": drag,
+    "plain": plain,
+}
+#: What Blender is told besides.
+ENVIRONMENT = {"plain": {"STORMFIELD_PLAIN": "1"}}
 
 
-#: Seconds that the window may take for the shaders of the clouds.
-SHADERS = 12.0
 #: Picture of the documentation → walk and step that it shows.
 PICTURES = {"walk_merge": ("merge", "clouds"), "walk_own": ("own", "playing")}
 DOCS = ROOT / "docs" / "pictures"
@@ -340,7 +276,7 @@ def main() -> None:
     numbers, failed = {}, []
     for name in arguments.walks or WALKS:
         print(f"{name}: {WALKS[name].__doc__}", flush=True)
-        window = Window(arguments.out.resolve() / name)
+        window = Window(arguments.out.resolve() / name, **ENVIRONMENT.get(name, {}))
         try:
             numbers[name] = WALKS[name](window)
             print(f"  {numbers[name]}", flush=True)

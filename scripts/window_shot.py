@@ -52,8 +52,12 @@ def load_addon():
 
         for panel in (*panels.CLASSES[1:], *analysis_panels.CLASSES[:2], *morse_panels.CLASSES):
             panel.bl_options = set() if panel.bl_label in OPENED[PICTURE] else {"DEFAULT_CLOSED"}
+    if (ROOT / "out" / "assets" / "stormfield.blend").is_file():  # scripts/build_assets.py out/assets
+        from stormfield import assets
+
+        assets.FOLDER = ROOT / "out" / "assets"
     stormfield.register()
-    if not bpy.app.build_options.usd:
+    if not bpy.app.build_options.usd and "STORMFIELD_PLAIN" not in os.environ:
         do_without_usd()
 
 
