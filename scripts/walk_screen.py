@@ -21,8 +21,8 @@ WIDTH, HEIGHT = 1920, 1080
 PATIENCE = 240.0
 #: Times that a view is drawn after an action until it shows it, at the latest.
 ENOUGH = 3
-#: Rows of pixels between two places at which a button is looked for, and a panel's header.
-ROW, HEADER = 11, 8
+#: Rows of pixels between two places at which a button is looked for; grey of letters, 0 to 255.
+ROW, INK = 11, 150
 
 
 class WalkError(Exception):
@@ -178,9 +178,9 @@ class Window:
     def open_panel(self, button: str) -> None:
         """Open the closed panel that has that button below its header: one click, on the header that does it."""
         began, actions = time.monotonic(), self.actions
-        left, top, right, bottom = self.box("UI")
+        left, _top, right, _bottom = self.box("UI")
         x = left + 0.3 * (right - left)
-        for y in range(bottom - 12, top + 30, -HEADER):
+        for y in self.lines_of_text():
             if self.button_at(x, y):
                 continue
             self.click(x, y)
@@ -191,6 +191,22 @@ class Window:
             raise WalkError(f"no panel opens to the button {button}")
         self.actions = actions + 1
         self.spent += time.monotonic() - began
+
+    def lines_of_text(self) -> list[float]:
+        """Middles of what is written in the sidebar, from the bottom up."""
+        left, top, right, bottom = self.box("UI")
+        width = int(0.4 * (right - left))
+        crop = f"{width}x{bottom - top}+{left + 30}+{top}"
+        command = ["import", "-window", "root", "-crop", crop, "-depth", "8", "gray:-"]
+        pixels = subprocess.run(command, capture_output=True, check=True).stdout
+        written = [max(pixels[i : i + width]) > INK for i in range(0, len(pixels), width)]
+        lines, start = [], 0
+        for y in range(1, len(written)):
+            if written[y] and not written[y - 1]:
+                start = y
+            elif written[y - 1] and not written[y]:
+                lines.append(top + 0.5 * (start + y))
+        return lines[::-1]
 
     def press(self, name: str, region: str = "UI") -> None:
         self.click(*self.find(name, region))
