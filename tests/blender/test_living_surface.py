@@ -7,6 +7,7 @@ import math
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
 
 @pytest.fixture
@@ -418,3 +419,104 @@ def test_left_turns_left_on_the_half_of_a_mirror_where_it_lies(arrow, scene, x):
     away = points - (x, 0.0, 0.0)
     near = (np.linalg.norm(away, axis=1) < 0.5) & (np.linalg.norm(away, axis=1) > 0.05)
     assert (np.cross(away[near], flow[near])[:, 2] > 0).all()
+
+
+def lines_on(obj):
+    """Curves along the tube, through vertices and through the middles of faces; with the own vertices around each."""
+    from stormfield.scene.write.curve_objects import make_curves
+
+    columns = [[32 * ring + side for ring in range(2, 38)] for side in (0, 9, 20)]
+    rest = np.array([vertex.co for vertex in obj.data.vertices])
+    through = [rest[column] for column in columns]
+    between = [(rest[column] + rest[np.array(column) + 33]) / 2 for column in columns]
+    made = make_curves("Lines", [*through, *between], parent=obj)
+    return made, columns
+
+
+def points_of(made):
+    data = made.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    places = np.empty(len(data.points) * 3, np.float32)
+    data.attributes["position"].data.foreach_get("vector", places)
+    return places.reshape(2, 3, -1, 3)
+
+
+def off_lines(obj, made, columns):
+    """The largest distance of the curves to where their places are seen, the middles of faces to the surface."""
+    mesh = evaluated(obj)
+    seen = np.array([vertex.co for vertex in mesh.vertices])[: len(obj.data.vertices)]
+    through, between = points_of(made)
+    worst = np.abs(through - seen[np.array(columns)]).max()
+    found = [
+        obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).closest_point_on_mesh(p)
+        for p in between.reshape(-1, 3)
+    ]
+    return max(
+        worst,
+        max((place - Vector(p)).length for (_, place, *_), p in zip(found, between.reshape(-1, 3), strict=True)),
+    )
+
+
+@pytest.mark.parametrize("deform", DEFORMERS)
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_curves_of_an_analysis_lie_on_the_surface_that_is_seen(tube, scene, deform, when):
+    bpy.ops.stormfield.solve()
+    if when == "before":
+        deform(tube, scene)
+    made, columns = lines_on(tube)
+    if when == "after":
+        deform(tube, scene)
+        bpy.context.view_layer.update()
+    assert off_lines(tube, made, columns) < 1e-3
+    assert (
+        np.abs(
+            points_of(made)[0] - np.array([tube.data.vertices[v].co for v in np.ravel(columns)]).reshape(3, -1, 3)
+        ).max()
+        > 0.1
+    )
+
+
+def test_streamlines_lie_on_the_surface_that_is_seen(tube):
+    bend(tube, 80)
+    bpy.ops.stormfield.solve()
+    bpy.ops.stormfield.streamlines()
+    made = next(obj for obj in tube.children if obj.type == "CURVES")
+    data = made.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    places = np.empty(len(data.points) * 3, np.float32)
+    data.attributes["position"].data.foreach_get("vector", places)
+    places = places.reshape(-1, 3)
+    seen = tube.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    off = [(seen.closest_point_on_mesh(Vector(place))[1] - Vector(place)).length for place in places]
+    assert max(off) < 1e-3
+
+
+def test_curves_stay_on_the_half_that_they_were_made_on(arrow):
+    from stormfield.scene.write.curve_objects import make_curves
+
+    mirror = arrow.modifiers.new("Mirror", "MIRROR")
+    mirror.use_axis = (True, False, False)
+    bpy.ops.stormfield.solve()
+    rest = np.array([vertex.co for vertex in arrow.data.vertices])
+    made = make_curves("Lines", [rest[:40]], parent=arrow)
+    data = made.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    places = np.empty(len(data.points) * 3, np.float32)
+    data.attributes["position"].data.foreach_get("vector", places)
+    assert np.abs(places.reshape(-1, 3) - rest[:40]).max() < 1e-5
+
+
+def test_curves_on_a_mesh_that_nothing_changes_have_no_modifier(tube):
+    bpy.ops.stormfield.solve()
+    made, _columns = lines_on(tube)
+    assert not made.modifiers
+
+
+def test_fixed_points_lie_on_the_surface_that_is_seen(tube):
+    from stormfield.scene.write.analysis_objects import _points
+
+    bend(tube, 80)
+    bpy.ops.stormfield.solve()
+    rest = np.array([vertex.co for vertex in tube.data.vertices])[100:200]
+    _points(tube, bpy.context.scene.collection, "Entities", rest, {})
+    (made,) = [obj for obj in tube.children if obj.type == "MESH"]
+    made.hide_set(False)
+    seen = np.array([vertex.co for vertex in evaluated(tube).vertices])[100:200]
+    assert np.abs(np.array([vertex.co for vertex in evaluated(made).vertices]) - seen).max() < 1e-4

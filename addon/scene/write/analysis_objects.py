@@ -23,6 +23,7 @@ from ..read.element_places import element_places
 from ..read.results import ROLE, find_curves
 from . import entity_lists, morse_faces
 from .curve_objects import make_curves, remove_curves
+from .following import follow_surface
 
 #: Radius of the curves over the object's size.
 RADIUS = 0.0015
@@ -181,6 +182,7 @@ def _points(obj, collection, role: str, positions: np.ndarray, attributes: Mappi
         if len(values):
             attribute.data.foreach_set("value", values)
     mesh.update_tag()
+    follow_surface(made)
 
 
 def _hide(made: bpy.types.Object) -> None:

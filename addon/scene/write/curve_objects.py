@@ -4,7 +4,8 @@
     lines = make_curves("Streamlines", polylines, {"speed": speeds}, radius=0.01, parent=obj)
 
 A Curves object is known by its role (the name given here) and its parent: making the same curves again replaces the
-data and keeps object, modifiers, materials and whatever the artist did to them, also when it was renamed.
+data and keeps object, modifiers, materials and whatever the artist did to them, also when it was renamed. It follows
+the surface of its parent that is seen.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,6 +14,7 @@ import bpy
 import numpy as np
 
 from ..read.results import ROLE, find_curves
+from .following import follow_surface
 
 #: Attributes that belong to every Curves object and are never taken for old ones.
 OWN = frozenset({"position", "radius", "cyclic", "curve_type"})
@@ -74,6 +76,7 @@ def make_curves(
             _write(data, key, domain, values)
     data.update_tag()
     obj.update_tag()
+    follow_surface(obj)
     return obj
 
 

@@ -12,6 +12,7 @@ from ... import compat
 from ..nodes.turning import KEEP_SPEED, turn_group
 from ..read.attached import LAMBDA, SORT, TURN, find_modifier
 from ..read.seen_surface import is_changed
+from .following import let_all_follow
 
 
 def follow_surface(obj: bpy.types.Object) -> None:
@@ -27,6 +28,7 @@ def follow_surface(obj: bpy.types.Object) -> None:
     modifier.show_viewport, modifier.show_render = field.show_viewport, field.show_render
     obj.add_rest_position_attribute = True
     set_speed(obj)
+    let_all_follow(obj)
 
 
 def set_speed(obj: bpy.types.Object) -> None:
