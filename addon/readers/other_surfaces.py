@@ -14,6 +14,7 @@ import numpy as np
 from ..model.errors import InputError
 from .beside_files import fields_beside, read_vectors
 from .polygon_files import Polygons, read_obj, read_off
+from .ply_file import read_ply
 from .raw_surface import RawSurface, plain_surface
 from .vtk_data import grid_data, need_vtk, polygon_data, surface_part, vtk_errors
 
@@ -29,6 +30,9 @@ NO_FACES = ("vertex", "line")
 def other_parts(path: Path) -> list[RawSurface]:
     """The surface of a file and of the fields beside it. Raises InputError."""
     ending = path.suffix.lower()
+    if ending == ".ply":
+        ply = read_ply(path)
+        return [_surface(path, Cells(ply.points, ply.polygons, None, ply.point_data, ply.face_data))]
     if ending not in (".off", ".obj"):
         return [_surface(path, _meshio_cells(path))]
     found = read_off(path) if ending == ".off" else read_obj(path)
@@ -113,8 +117,6 @@ def _meshio(path: Path) -> Any:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             return meshio.read(path)
     except (Exception, SystemExit) as error:
-        if _empty_ply(path):
-            raise InputError(f"{path}: has no vertices; give a surface of triangles") from error
         raise InputError(f"{path}: is not a mesh that can be read ({_reason(error, said.getvalue())})") from error
 
 
@@ -125,9 +127,3 @@ def _reason(error: BaseException, said: str) -> str:
         lines = [line.strip() for line in said.splitlines() if line.strip()]
     return " ".join(lines)[:200].removeprefix("Error: ") or "no format fits its content"
 
-
-def _empty_ply(path: Path) -> bool:
-    try:
-        return b"element vertex 0\n" in path.read_bytes()[:4096].replace(b"\r\n", b"\n")
-    except OSError:
-        return False

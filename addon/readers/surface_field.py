@@ -17,7 +17,7 @@ from .field_data import FieldData, NoFieldError, check_numbers, lambdas_of
 from .normals import faces_to_vertices, rotated, tangent_share, vertex_normals
 from .raw_surface import CELLS, RawSurface, Values, joined, offered
 from .reading import Reading
-from .surface_vector import Taken, field_arrays, looks_normal, normal_fault, three_components
+from .surface_vector import Taken, field_arrays, looks_normal, marked, normal_fault, three_components
 from .weld import Welded, weld
 
 #: Part of the steps in which files are read.
@@ -151,6 +151,12 @@ def _values(parts: Sequence[RawSurface], taken: Taken, files: Sequence[Path]) ->
         element = f"{'cell' if at_cells else 'point'} {bad[0]}"
         raise InputError(
             f"{where}: the vector of {element} is not finite ({len(bad)} of {used.sum()} are not); repair it"
+        )
+    none = np.flatnonzero(used & marked(vectors))
+    if len(none):
+        raise InputError(
+            f"{where}: {len(none)} of {used.sum()} vectors, the first at {'cell' if at_cells else 'point'} {none[0]}, "
+            f"are {vectors[none[0], 0]:g} in every component, which stands for no value; remove their faces, or repair them"
         )
     return Values(values.points, values.triangles, vectors)
 

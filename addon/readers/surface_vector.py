@@ -12,6 +12,7 @@ import numpy as np
 from ..model.errors import InputError
 from .choice import chosen_arrays, listed
 from .field_data import LARGEST, NoFieldError
+from .grids.missing import CLEAR, LARGE_MARK, MARKS
 from .normals import faces_to_vertices, tangent_share
 from .raw_surface import CELLS, RawSurface, joined, offered
 from .reading import ArrayInfo
@@ -142,3 +143,15 @@ def _same_name(array: ArrayInfo, other: ArrayInfo) -> bool:
 def _named_normal(arrays: Arrays) -> bool:
     name = arrays[0].name if len(arrays) == 1 else "".join(array.name.lower() for array in arrays)
     return bool(NAMED_NORMALS.match(name))
+
+
+def marked(vectors: np.ndarray) -> np.ndarray:
+    """(n,) where all components are one of the numbers that programs write for "no value", far from all others."""
+    size = np.abs(vectors).max(axis=1)
+    alike = (np.ptp(vectors, axis=1) == 0.0) & (size > 0.0)
+    largest = float(size.max(initial=0.0, where=alike))
+    known = largest >= LARGE_MARK or any(np.isclose(largest, mark, rtol=1e-6) for mark in MARKS)
+    there = alike & (size >= largest * (1.0 - 1e-6))
+    others = float(size.max(initial=0.0, where=~there))
+    sure = known and (largest >= LARGE_MARK or there.sum() > 1) and others * CLEAR < largest
+    return there if sure else np.zeros(len(vectors), bool)

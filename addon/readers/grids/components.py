@@ -111,6 +111,12 @@ def choose_pair(variables: Mapping, vector: str | None, where: str) -> Pair:
         return _named(variables, vector, where)
     pairs = find_pairs(variables)
     if not pairs:
+        speeds = [name for name, variable in variables.items() if _is_speed_or_direction(variable)]
+        if len(speeds) > 1:
+            raise InputError(
+                f"{where}: has {' and '.join(speeds)}, a speed and a direction; write their components instead: where the "
+                "direction is that from which it blows, u = -speed sin(direction) and v = -speed cos(direction)"
+            )
         raise InputError(
             f"{where}: has no eastward and northward components of one vector; "
             f"name them with --vector EAST,NORTH from: {', '.join(map(str, variables)) or 'nothing'}"
@@ -275,3 +281,7 @@ def unstaggered(dim: object) -> str:
 def _staggered(east, north) -> bool:
     """Whether each component is shifted along one dimension of the horizontal grid."""
     return sum(a != b for a, b in zip(east.dims, north.dims, strict=True)) in (1, 2)
+
+
+def _is_speed_or_direction(variable) -> bool:
+    return standard_name(variable).endswith(("_speed", "_from_direction", "_to_direction"))

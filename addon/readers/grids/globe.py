@@ -45,7 +45,7 @@ class Globe:
     def surface(self, valid: np.ndarray, sample: tuple[np.ndarray, np.ndarray], size: Resolution) -> Surface:
         faces = auto_faces(self.spacing) if size.faces is None else size.faces
         notes = []
-        rows, columns = self._order()
+        rows, columns = self._order(valid)
         latitude, longitude = np.clip(self.latitude[rows], -90.0, 90.0), _turned(self.longitude)[columns]
         valid = valid[rows][:, columns]
         u, v = (values[rows][:, columns] for values in sample)
@@ -85,14 +85,17 @@ class Globe:
             notes[-1] += ", which is finer: small storms may be lost; choose more with --sphere-faces"
         return Surface(mesh, lambda u, v: stencil.vectors(sampler, u, v), True, changes, tuple(notes))
 
-    def _order(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows from south to north, columns once around from the smallest longitude in 0..360."""
+    def _order(self, valid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rows from south to north, columns once around from the smallest longitude in 0..360. Of columns at one
+        longitude the one with most values."""
         rows = np.argsort(self.latitude, kind="stable")
         spacing = np.diff(self.latitude[rows])
         if spacing.min() <= 0.0:
             raise InputError(f"{self.where}: latitude {self.latitude[rows][int(np.argmin(spacing))]:g} is given twice")
-        _, columns = np.unique(_turned(self.longitude), return_index=True)
-        return rows, columns
+        turned = _turned(self.longitude)
+        ordered = np.lexsort((np.arange(len(turned)), -valid.sum(axis=0), turned))
+        _, first = np.unique(turned[ordered], return_index=True)
+        return rows, ordered[first]
 
 
 def is_around(longitude: np.ndarray) -> bool:

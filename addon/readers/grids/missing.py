@@ -11,6 +11,8 @@ from .vocabulary import attributes
 FASTEST = 500.0
 #: Numbers that programs write for "no value".
 MARKS = (999.0, 999.9, 9999.0, 9999.9, 99999.0, 999999.0, 32767.0, 32768.0, 32766.0, 1e10, 1e15, 1e20, 1e30, 1e35, 1e36)
+#: Any number as large as this is a mark.
+LARGE_MARK = 1e10
 #: A mark is one where all other values are smaller by this factor.
 CLEAR = 3.0
 
@@ -51,8 +53,8 @@ def _marked(values: np.ndarray, size: np.ndarray, known: np.ndarray) -> np.ndarr
     """Where a number stands that programs write for no value, and that is far from all others."""
     largest = float(np.max(size, initial=0.0, where=np.isfinite(size) & ~known))
     mark = next((mark for mark in MARKS if np.isclose(largest, mark, rtol=1e-6)), None)
-    if mark is None and largest < 1e10:
+    if mark is None and largest < LARGE_MARK:
         return np.zeros(values.shape, bool)
     there = size >= largest * (1.0 - 1e-6)
     others = float(np.max(size, initial=0.0, where=np.isfinite(size) & ~known & ~there))
-    return there if (there.sum() > 1 or largest >= 1e10) and others * CLEAR < largest else np.zeros(values.shape, bool)
+    return there if (there.sum() > 1 or largest >= LARGE_MARK) and others * CLEAR < largest else np.zeros(values.shape, bool)

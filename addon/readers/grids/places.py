@@ -11,6 +11,7 @@ from ...model.errors import InputError
 from .components import Pair, unstaggered
 from .globe import Globe, is_around
 from .patch import Patch, Plane, direction_of_rows
+from .rotated import rotated_axes
 from .surface import Grid
 from .ugrid import mesh_of
 from .unstructured import cells_with_bounds, scattered
@@ -33,6 +34,9 @@ def find_grid(dataset, pair: Pair, where: str) -> Grid:
     mesh = mesh_of(dataset, east, where)
     if mesh is not None:
         return mesh
+    rotated = rotated_axes(dataset, east, where)
+    if rotated is not None:
+        return _rotated(*rotated, pair)
     found = _latitude_longitude(dataset, east, north)
     if found is None:
         return _plane(dataset, pair, where)
@@ -68,6 +72,12 @@ def _rows_and_columns(latitude, longitude, variable, where: str) -> Grid:
     # Rows and columns as they are in the file; the mesh needs no order.
     theta, phi = np.meshgrid(longitude.values, values)
     return Patch(phi, theta, dims, None, notes)
+
+
+def _rotated(rows, columns, phi: np.ndarray, theta: np.ndarray, pair: Pair) -> Grid:
+    turn, notes = _turn(None, pair, phi, theta)
+    note = f"{rows.name} and {columns.name} are about a rotated pole, places on the earth computed from it"
+    return Patch(phi, theta, (str(rows.dims[0]), str(columns.dims[0])), turn, (note, *notes))
 
 
 def _curvilinear(dataset, pair: Pair, latitude, longitude, where: str) -> Grid:

@@ -157,6 +157,12 @@ _TIME = {
 def speed_of(unit: str) -> float | None:
     """Metres per second of one unit, however it is spelled; None where it is no speed."""
     text = unit.strip().lower()
+    scaled = re.fullmatch(r"([0-9.]+(?:e[+-]?[0-9]+)?)\s*\*?\s*(\D.*)", text)
+    if scaled is not None:
+        speed = speed_of(scaled[2])
+        return None if speed is None else float(scaled[1]) * speed
+    if text.startswith("(") and text.endswith(")"):
+        return speed_of(text[1:-1])
     if text in {"knots", "knot", "kts", "kt", "kn"}:
         return SPEEDS["kt"]
     if text in {"mph", "mi/h", "miles per hour"}:
