@@ -13,8 +13,8 @@ import numpy as np
 
 from ..model.errors import InputError
 from .beside_files import fields_beside, read_vectors
-from .polygon_files import Polygons, read_obj, read_off
 from .ply_file import read_ply
+from .polygon_files import Polygons, read_obj, read_off
 from .raw_surface import RawSurface, plain_surface
 from .vtk_data import grid_data, need_vtk, polygon_data, surface_part, vtk_errors
 
@@ -126,4 +126,3 @@ def _reason(error: BaseException, said: str) -> str:
     if not lines or lines[0].isdigit():
         lines = [line.strip() for line in said.splitlines() if line.strip()]
     return " ".join(lines)[:200].removeprefix("Error: ") or "no format fits its content"
-

@@ -154,9 +154,10 @@ def _values(parts: Sequence[RawSurface], taken: Taken, files: Sequence[Path]) ->
         )
     none = np.flatnonzero(used & marked(vectors))
     if len(none):
+        first = f"{'cell' if at_cells else 'point'} {none[0]}"
         raise InputError(
-            f"{where}: {len(none)} of {used.sum()} vectors, the first at {'cell' if at_cells else 'point'} {none[0]}, "
-            f"are {vectors[none[0], 0]:g} in every component, which stands for no value; remove their faces, or repair them"
+            f"{where}: {len(none)} of {used.sum()} vectors, the first at {first}, are "
+            f"{vectors[none[0], 0]:g} in every component, which stands for no value; remove their faces, or repair them"
         )
     return Values(values.points, values.triangles, vectors)
 

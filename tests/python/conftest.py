@@ -22,3 +22,12 @@ def ending(monkeypatch):
     cancelled = []
     monkeypatch.setattr("stormfield.work._ending", Ending())
     return cancelled
+
+
+@pytest.fixture(params=["netCDF4", "without netCDF4"])
+def reader(request, monkeypatch):
+    """Blender has no netCDF4: all that is read with it is read without it too."""
+    from grid_cases import without_netcdf4
+
+    if request.param != "netCDF4":
+        without_netcdf4(monkeypatch)

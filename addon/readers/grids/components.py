@@ -114,8 +114,8 @@ def choose_pair(variables: Mapping, vector: str | None, where: str) -> Pair:
         speeds = [name for name, variable in variables.items() if _is_speed_or_direction(variable)]
         if len(speeds) > 1:
             raise InputError(
-                f"{where}: has {' and '.join(speeds)}, a speed and a direction; write their components instead: where the "
-                "direction is that from which it blows, u = -speed sin(direction) and v = -speed cos(direction)"
+                f"{where}: has {' and '.join(speeds)}, a speed and a direction; write their components instead: where "
+                "the direction is that from which it blows, u = -speed sin(direction) and v = -speed cos(direction)"
             )
         raise InputError(
             f"{where}: has no eastward and northward components of one vector; "

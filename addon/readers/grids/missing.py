@@ -57,4 +57,5 @@ def _marked(values: np.ndarray, size: np.ndarray, known: np.ndarray) -> np.ndarr
         return np.zeros(values.shape, bool)
     there = size >= largest * (1.0 - 1e-6)
     others = float(np.max(size, initial=0.0, where=np.isfinite(size) & ~known & ~there))
-    return there if (there.sum() > 1 or largest >= LARGE_MARK) and others * CLEAR < largest else np.zeros(values.shape, bool)
+    sure = (there.sum() > 1 or largest >= LARGE_MARK) and others * CLEAR < largest
+    return there if sure else np.zeros(values.shape, bool)

@@ -3,27 +3,28 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...model.errors import InputError
 from .vocabulary import attributes, unit
 
 MAPPING = "rotated_latitude_longitude"
+POLE = ("grid_north_pole_latitude", "grid_north_pole_longitude")
 
 
-def rotated_axes(dataset, variable, where: str) -> tuple | None:
+def rotated_axes(dataset, variable, where: str) -> tuple[Any, Any, np.ndarray, np.ndarray] | None:
     """(rows, columns, latitudes, longitudes), the latter two (a, b) in degrees, where the grid mapping of a variable is
     a rotated pole; None where it is not. Raises InputError where the mapping says too little."""
     name = str(attributes(variable).get("grid_mapping", "")).split(":")[0].strip()
     if name not in dataset.variables or dataset[name].attrs.get("grid_mapping_name") != MAPPING:
         return None
     mapping = dataset[name].attrs
-    try:
-        pole = [float(mapping[f"grid_north_pole_{axis}"]) for axis in ("latitude", "longitude")]
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(
-            f"{where}: {name} is a rotated pole without grid_north_pole_latitude and grid_north_pole_longitude; set both"
-        ) from error
+    for key in POLE:
+        if not np.isscalar(mapping.get(key)) or not np.isfinite(float(mapping[key])):
+            raise InputError(f"{where}: {name}, a rotated pole, lacks {key}; add it")
+    pole = [float(mapping[key]) for key in POLE]
     axes = [dataset[dim] for dim in variable.dims if dim in dataset.variables and _is_angle(dataset[dim])][-2:]
     if len(axes) < 2:
         return None
