@@ -153,8 +153,7 @@ def test_an_array_that_a_t_file_does_not_have_is_refused(capsys, tmp_path):
 def test_marks_of_no_value_are_refused(capsys, tmp_path, mark, location):
     vectors = np.array(WSS if location == "point_data" else flow(CENTRES))
     vectors[3:9] = mark
-    data = {"WSS": vectors} if location == "point_data" else {"WSS": vectors}
-    path = write_mesh(tmp_path / "a.vtu", POINTS, TRIANGLES, **{location: data})
+    path = write_mesh(tmp_path / "a.vtu", POINTS, TRIANGLES, **{location: {"WSS": vectors}})
     line = refused(capsys, "analyze", path, "--json", "-")
     assert f"6 of {len(vectors)} vectors" in line and f"{mark:g} in every component" in line
 
