@@ -15,7 +15,7 @@ from typing import Any, TypeAlias, cast
 
 import bpy
 
-VERSION = 2  # of the node groups: raise it when a group changes
+VERSION = 3  # of the node groups: raise it when a group changes
 COLUMN, ROW = 190.0, 46.0  # spacing of the layout, in the node editor's pixels
 
 Operand: TypeAlias = "Socket | float | Sequence[float]"
@@ -164,15 +164,12 @@ class Tree:
         self.connect(vertex, node.inputs["Index"])
         return Socket(self, node.outputs[0])
 
-    def at_corners(self, value: Socket, data_type: str) -> Socket:
-        """A value that is worked out at corners; vertices have the mean of theirs."""
-        node = self.node("GeometryNodeFieldOnDomain", domain="CORNER", data_type=data_type)
-        self.connect(value, node.inputs[0])
-        return Socket(self, node.outputs[0])
-
-    def captured(self, geometry: Socket, values: Sequence[Socket]) -> tuple[Socket, list[Socket]]:
-        """Values of vertices, worked out once for all that use them; with the geometry to go on with."""
-        node: Any = self.node("GeometryNodeCaptureAttribute", domain="POINT")
+    def captured(
+        self, geometry: Socket, values: Sequence[Socket], domain: str = "POINT"
+    ) -> tuple[Socket, list[Socket]]:
+        """Values of vertices, or of another domain, worked out once for all that use them; with the geometry to go on
+        with."""
+        node: Any = self.node("GeometryNodeCaptureAttribute", domain=domain)
         for value in values:
             node.capture_items.new("VECTOR" if value.socket.type == "VECTOR" else "FLOAT", "Value")
         self.connect(geometry, node.inputs[0])

@@ -28,7 +28,9 @@ def turn_group(tree: Tree) -> None:
     vertices = [tree.corner_vertex(offset) for offset in (0, 1, -1)]
     rest = _frame(tree, tree.named_attribute(REST, "FLOAT_VECTOR"), vertices)
     seen = _frame(tree, tree.position(), vertices)
-    geometry, (*rows, share) = tree.captured(given["Geometry"], _map(tree, rest, seen))
+    # All at once: Blender works out anew what several values share where each is asked for by itself.
+    geometry, of_corners = tree.captured(given["Geometry"], _map(tree, rest, seen), "CORNER")
+    geometry, (*rows, share) = tree.captured(geometry, of_corners)
     for name in (ORIENTATION, ADVECTION):
         vector = tree.named_attribute(name, "FLOAT_VECTOR")
         turned = _turned(tree, vector, rows, share, given[KEEP_SPEED])
@@ -54,7 +56,8 @@ def _frame(tree: Tree, places: Socket, vertices: list[Socket]) -> _Frame:
 
 
 def _map(tree: Tree, rest: _Frame, seen: _Frame) -> list[Socket]:
-    """Of a vertex the rows of F, summed over those corners that have a map, and the share of these; both over all."""
+    """Of a corner the rows of F, 0 where it has no map, and whether it has one. Their means over the corners of a vertex
+    are the map there times the share of corners that have one, and that share."""
     edges = ((rest.after, rest.after), (rest.after, rest.before), (rest.before, rest.before))
     aa, ab, bb = (tree.vector("DOT_PRODUCT", *pair) for pair in edges)
     determinant = aa * bb - ab * ab
@@ -67,7 +70,7 @@ def _map(tree: Tree, rest: _Frame, seen: _Frame) -> list[Socket]:
         dual_after.scaled(after) + dual_before.scaled(before) + up.scaled(normal)
         for after, before, normal in zip(*(tree.components(v) for v in vars(seen).values()), strict=True)
     ]
-    return [*(tree.at_corners(row, "FLOAT_VECTOR") for row in rows), tree.at_corners(has_map, "FLOAT")]
+    return [*rows, has_map]
 
 
 def _turned(tree: Tree, vector: Socket, rows: list[Socket], share: Socket, keep_speed: Socket) -> Socket:
