@@ -8,6 +8,7 @@ draw (a curve drawn on the
 surface), monkey (several components and boundaries), panels (the lower half of the sidebar); and of the analysis:
 analyzed (entities, separatrices and the list), graph (the graph editor beside the view, one entity selected),
 paths (fixed points over λ, bifurcations as markers), morse (Morse sets as coloured faces and their graph),
+edits (two entities, the faces that cancelling them would change, other partners), simplify (what would vanish),
 engine and engine_morse (the same for the gas engine, when STORMFIELD_DATA names the folder with its data set).
 The compiled core is taken from out/build-*, the add-on from this tree.
 """
@@ -29,6 +30,8 @@ OPENED = {
     "graph": {"Field", "Analysis"},
     "paths": {"Field", "Analysis"},
     "morse": {"Field", "Analysis", "Flow Regions"},
+    "edits": {"Analysis", "Edits"},
+    "simplify": {"Analysis", "Edits"},
     "engine": {"Field", "Analysis"},
     "engine_morse": {"Field", "Analysis", "Flow Regions"},
 }
@@ -48,9 +51,10 @@ def load_addon():
 
     sys.path.append(str(ROOT / "out" / "igraph"))
     if PICTURE in OPENED:
-        from stormfield.ui import analysis_panels, morse_panels, panels
+        from stormfield.ui import analysis_panels, edit_panels, morse_panels, panels
 
-        for panel in (*panels.CLASSES[1:], *analysis_panels.CLASSES[:2], *morse_panels.CLASSES):
+        parts = (panels.CLASSES[1:], analysis_panels.CLASSES[:2], edit_panels.CLASSES, morse_panels.CLASSES)
+        for panel in (panel for classes in parts for panel in classes):
             panel.bl_options = set() if panel.bl_label in OPENED[PICTURE] else {"DEFAULT_CLOSED"}
     if (ROOT / "out" / "assets" / "stormfield.blend").is_file():  # scripts/build_assets.py out/assets
         from stormfield import assets
@@ -163,6 +167,9 @@ def picture():
         return
     if PICTURE in {"analyzed", "graph", "morse"}:
         analyze(weather(), distance=3.3)
+        return
+    if PICTURE in {"edits", "simplify"}:
+        show_edits(weather())
         return
     if PICTURE.startswith("engine"):
         analyze(engine(), distance=2.3, turned=(0.75, 0.0, 0.35))
@@ -297,7 +304,7 @@ def analyze(ball, distance, turned=(1.35, 0.0, 0.0)):
                 ball.stormfield.morse.method, ball.stormfield.morse.eps = "geometry", 12.0
             print("morse", bpy.ops.stormfield.morse_sets("EXEC_DEFAULT"))
             analysis.show_separatrices = False
-        if PICTURE != "analyzed":
+        if PICTURE not in {"analyzed", "edits", "simplify"}:
             print("graph", bpy.ops.stormfield.show_graph("EXEC_DEFAULT"))
             area.spaces.active.region_3d.view_distance *= 1.25
     analysis.show_names = PICTURE == "graph"
@@ -306,8 +313,29 @@ def analyze(ball, distance, turned=(1.35, 0.0, 0.0)):
     towards = area.spaces.active.region_3d.view_rotation @ Vector((0.0, 0.2, 1.0))
     kind = "sink" if PICTURE == "morse" else "saddle"
     ones = [i for i, item in enumerate(chosen.items) if item.kind == kind]
-    if ones and PICTURE != "analyzed":
+    if ones and PICTURE not in {"analyzed", "edits", "simplify"}:
         chosen.active = max(ones, key=lambda i: towards.dot(Vector(chosen.items[i].position)))
+
+
+def show_edits(ball):
+    """A source and the saddle beside it, or what Simplify would take away."""
+    from stormfield.scene.write import selection
+
+    analyze(ball, distance=3.3)
+    analysis = ball.stormfield.analysis
+    ball.select_set(True)
+    if PICTURE == "simplify":
+        analysis.keep, analysis.preview_simplify = 10, True
+        return
+    towards = view_area().spaces.active.region_3d.view_rotation @ Vector((-0.5, -0.2, 1.0))
+    facing = [towards.dot(Vector(item.position)) for item in analysis.ecg.items]
+    places = range(len(facing))
+    source = max((i for i in places if analysis.ecg.items[i].kind == "source"), key=facing.__getitem__)
+    own = Vector(analysis.ecg.items[source].position)
+    saddles = (i for i in places if analysis.ecg.items[i].kind == "saddle" and facing[i] > 0.5)
+    saddle = min(saddles, key=lambda i: (Vector(analysis.ecg.items[i].position) - own).length)
+    selection.select(ball, "ecg", saddle)
+    selection.extend(ball, "ecg", source)
 
 
 def guarded():

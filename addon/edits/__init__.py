@@ -12,6 +12,7 @@ edit touches, and with a memory only what was changed since is done again.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -91,7 +92,7 @@ def notes_of(reports: Sequence[EditReport]) -> tuple[str, ...]:
 
 def _made(field: native.ParameterizedField, edit: Edit, orientation: native.ParameterizedField) -> Steps[Made]:
     """The samples of a window after one edit."""
-    before = np.asarray(field.values)
+    before, began = np.asarray(field.values), time.perf_counter()
     if edit.type == "transform":
         after, done = transformed(field, edit, orientation)
         values, report = np.array(after.values), EditReport.of(edit, list(edit.lam), [done])
@@ -101,7 +102,7 @@ def _made(field: native.ParameterizedField, edit: Edit, orientation: native.Para
     if len(before) > 1 and not np.array_equal(before, values):
         counting = _bifurcations(field.mesh, np.asarray(field.lambdas), (before, values))
         report = replace(report, bifurcations=(yield from scaled(counting, MADE, 1.0)))
-    return Made(values, report)
+    return Made(values, replace(report, seconds=time.perf_counter() - began))
 
 
 def _apply(field: native.ParameterizedField, values: np.ndarray, edit: Edit) -> Steps[EditReport]:

@@ -27,6 +27,7 @@ class EditReport:
     reason: str
     lam: tuple[float, ...] = ()  #: the samples that were edited
     samples: tuple[SampleEdit, ...] = ()
+    seconds: float = 0.0  #: that it took, with its bifurcations
     bifurcations: tuple[int, int] | None = None  #: of the field over λ, before and after
 
     @property
@@ -53,6 +54,7 @@ class EditReport:
             "left": [{"kind": entity.kind, "at": list(entity.at)} for entity in first.left],
             "faces": list(first.faces),
             "fill": first.fill,
+            "seconds": round(self.seconds, 4),
             "bifurcations": None if counts is None else {"before": counts[0], "after": counts[1]},
             "change": {
                 "angle": max(sample.largest_angle for sample in self.samples),

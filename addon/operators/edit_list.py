@@ -56,6 +56,8 @@ class STORMFIELD_OT_move_edit(EditListOperator, bpy.types.Operator):
         goal = field.active_edit + (-1 if self.direction == "UP" else 1)
         if not 0 <= goal < len(field.edits):
             return {"CANCELLED"}
+        for place in (field.active_edit, goal):
+            field.edits[place].status = field.edits[place].reason = ""  # they wait
         field.edits.move(field.active_edit, goal)
         field.active_edit = goal
         return {"FINISHED"}

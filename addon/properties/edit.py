@@ -46,12 +46,17 @@ def _is_line(_self, obj: bpy.types.Object) -> bool:
     return obj.type in {"CURVE", "CURVES", "GREASEPENCIL"}
 
 
+def _changed(edit, _context) -> None:
+    """What became of it before is no longer true: it waits."""
+    edit.status = edit.reason = ""
+
+
 @overridable
 class EditProperties(bpy.types.PropertyGroup):
     name: StringProperty(name="Name", description="What the edit is called in the list; it changes nothing")
-    type: EnumProperty(name="Edit", description="What is done to the field", items=TYPES)
-    enabled: BoolProperty(name="On", description="Whether Solve applies this edit", default=True)
-    field: EnumProperty(name="Field", description="Which of the two fields is edited", items=FIELDS)
+    type: EnumProperty(name="Edit", description="What is done to the field", items=TYPES, update=_changed)
+    enabled: BoolProperty(name="On", description="Whether Solve applies this edit", default=True, update=_changed)
+    field: EnumProperty(name="Field", description="Which of the two fields is edited", items=FIELDS, update=_changed)
     lam: FloatProperty(
         name="λ",
         description="Where it acts, at the λ sample nearest to this one; where Smooth and Transform begin (0..1)",
@@ -59,6 +64,7 @@ class EditProperties(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         precision=4,
+        update=_changed,
     )
     lam_end: FloatProperty(
         name="Until λ",
@@ -67,6 +73,7 @@ class EditProperties(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         precision=4,
+        update=_changed,
     )
     reach: FloatProperty(
         name="Reach",
@@ -76,25 +83,46 @@ class EditProperties(bpy.types.PropertyGroup):
         max=1.0,
         default=0.1,
         precision=3,
+        update=_changed,
     )
-    keep: IntProperty(name="Keep", description="Fixed points and orbits that are left (count)", min=1, default=12)
+    keep: IntProperty(
+        name="Keep", description="Fixed points and orbits that are left (count)", min=1, default=12, update=_changed
+    )
     to: FloatVectorProperty(
-        name="To", description="Where the point shall be, in the object's space (mesh units)", subtype="XYZ"
+        name="To",
+        description="Where the point shall be, in the object's space (mesh units)",
+        subtype="XYZ",
+        update=_changed,
     )
-    region: EnumProperty(name="Region", description="Where the field is changed", items=REGIONS, default="DISC")
+    region: EnumProperty(
+        name="Region", description="Where the field is changed", items=REGIONS, default="DISC", update=_changed
+    )
     center: FloatVectorProperty(
-        name="Center", description="Middle of the disc, in the object's space (mesh units)", subtype="XYZ"
+        name="Center",
+        description="Middle of the disc, in the object's space (mesh units)",
+        subtype="XYZ",
+        update=_changed,
     )
     radius: FloatProperty(
-        name="Radius", description="Of the disc, in a straight line (mesh units)", min=0.0, default=0.2, precision=3
+        name="Radius",
+        description="Of the disc, in a straight line (mesh units)",
+        min=0.0,
+        default=0.2,
+        precision=3,
+        update=_changed,
     )
-    loop: PointerProperty(name="Loop", description="The curve around the region", type=bpy.types.Object, poll=_is_line)
-    faces: StringProperty(name="Attribute", description="Name of a boolean attribute of faces, or of a vertex group")
+    loop: PointerProperty(
+        name="Loop", description="The curve around the region", type=bpy.types.Object, poll=_is_line, update=_changed
+    )
+    faces: StringProperty(
+        name="Attribute", description="Name of a boolean attribute of faces, or of a vertex group", update=_changed
+    )
     falloff: FloatProperty(
         name="Falloff",
         description="Length around the region within which the transform fades out (mesh units)",
         min=0.0,
         precision=3,
+        update=_changed,
     )
     angle: FloatProperty(
         name="Angle",
@@ -104,6 +132,7 @@ class EditProperties(bpy.types.PropertyGroup):
         step=100,
         precision=1,
         options={"ANIMATABLE"},
+        update=_changed,
     )
     scale: FloatProperty(
         name="Scale",
@@ -113,6 +142,7 @@ class EditProperties(bpy.types.PropertyGroup):
         soft_max=10.0,
         precision=3,
         options={"ANIMATABLE"},
+        update=_changed,
     )
     stretch: FloatProperty(
         name="Stretch",
@@ -122,13 +152,20 @@ class EditProperties(bpy.types.PropertyGroup):
         soft_max=10.0,
         precision=3,
         options={"ANIMATABLE"},
+        update=_changed,
     )
-    axis: EnumProperty(name="Axis", description="Along what is stretched", items=AXES)
+    axis: EnumProperty(name="Axis", description="Along what is stretched", items=AXES, update=_changed)
     axis_curve: PointerProperty(
-        name="Drawn Axis", description="A curve whose ends are the axis", type=bpy.types.Object, poll=_is_line
+        name="Drawn Axis",
+        description="A curve whose ends are the axis",
+        type=bpy.types.Object,
+        poll=_is_line,
+        update=_changed,
     )
     frozen: BoolProperty(
-        name="Frozen", description="Transform the field as it is at the first λ, which stays from there on"
+        name="Frozen",
+        description="Transform the field as it is at the first λ, which stays from there on",
+        update=_changed,
     )
     first_kind: StringProperty(name="First", description="Kind of the first entity", options={"HIDDEN"})
     first_at: FloatVectorProperty(name="First Place", description="A place near it (mesh units)", options={"HIDDEN"})

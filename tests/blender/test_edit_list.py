@@ -230,6 +230,21 @@ def test_the_order_of_the_list_is_that_of_the_design(pair):
     assert bpy.ops.stormfield.move_edit(direction="UP") == {"CANCELLED"}
 
 
+def test_an_edit_that_was_changed_waits(pair):
+    select(pair, SADDLE)
+    bpy.ops.stormfield.cancel_pair()
+    edit = pair.stormfield.edits[0]
+    for name, value in (("reach", 0.2), ("enabled", False), ("enabled", True), ("lam", 0.5)):
+        edit.status = "applied"
+        setattr(edit, name, value)
+        assert edit.status == "", name
+    edit.status = "applied"
+    edit.name = "Another"
+    assert edit.status == "applied"
+    bpy.ops.stormfield.solve()
+    assert edit.status in {"applied", "refused"}
+
+
 def test_a_field_without_a_cache_says_what_to_do(rings):
     bpy.ops.stormfield.analyze()
     with pytest.raises(RuntimeError, match="not solved here: Solve first"):
