@@ -56,8 +56,8 @@ def _frame(tree: Tree, places: Socket, vertices: list[Socket]) -> _Frame:
 
 
 def _map(tree: Tree, rest: _Frame, seen: _Frame) -> list[Socket]:
-    """Of a corner the rows of F, 0 where it has no map, and whether it has one. Their means over the corners of a vertex
-    are the map there times the share of corners that have one, and that share."""
+    """Of a corner the rows of F, 0 where it has no map, and whether it has one. Their means over the corners of a
+    vertex are the map there times the share of corners that have one, and that share."""
     edges = ((rest.after, rest.after), (rest.after, rest.before), (rest.before, rest.before))
     aa, ab, bb = (tree.vector("DOT_PRODUCT", *pair) for pair in edges)
     determinant = aa * bb - ab * ab
