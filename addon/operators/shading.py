@@ -62,7 +62,7 @@ class STORMFIELD_OT_material_from_image(FieldOperator, bpy.types.Operator):
         known = set(bpy.data.images)
         try:
             image = self._image()
-            material, remarks = material_from_image(image, HEIGHT * max(obj.dimensions) / mean_scale(obj))
+            material, remarks = material_from_image(image, HEIGHT * max(*obj.dimensions, 1e-6) / mean_scale(obj))
         except InputError as fault:
             return report_fault(self, fault)
         finally:

@@ -13,6 +13,8 @@ from .groups import advected_coordinates, phase_blend
 from .tiles import direction
 
 GROUP = "Stormfield Fibres"
+#: Gabor noise keeps to the middle of 0 to 1.
+CONTRAST = 1.8
 COLOURS = ((0.0, "#1d0f08"), (0.3, "#5a3015"), (0.55, "#a8672c"), (0.8, "#dfae68"), (1.0, "#fbe7bd"))
 
 
@@ -38,7 +40,7 @@ def fibres_group(tree: Tree) -> None:
         )
 
     value = strands(1.0) + strands(2.7) * given["Fine"]
-    set_outputs(tree, value=(value + 0.5).clamped())
+    set_outputs(tree, value=(value * CONTRAST + 0.5).clamped())
 
 
 def fibres(**settings: float) -> bpy.types.Material:
