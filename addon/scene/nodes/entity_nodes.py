@@ -17,6 +17,8 @@ from ...analysis.layout import layout
 from ...analysis.shown_graph import shown_graph
 
 TREE, NODE = "StormfieldGraph", "StormfieldEntity"
+#: What follows the object's name in that of its tree, which the editor's header shows.
+NAMES = {"ecg": "now", "mcg": "regions"}
 #: Width of a node: at least, at most, without its name, and of a letter.
 WIDTH, WIDEST, FRAME, LETTER = 70.0, 200.0, 36.0, 7.0
 #: Space between neighbours; distance of rows: at least, and over the graph's width.
@@ -33,7 +35,7 @@ def tree_of(obj: bpy.types.Object, which: str) -> bpy.types.NodeTree | None:
 def show_graph(obj: bpy.types.Object, which: str, graph: EntityGraph) -> bpy.types.NodeTree:
     """Make or replace the node tree of an object's graph, whose list is filled. Raises RuntimeError where igraph is
     missing."""
-    tree: Any = tree_of(obj, which) or bpy.data.node_groups.new(f"{obj.name} {which.upper()}", TREE)
+    tree: Any = tree_of(obj, which) or bpy.data.node_groups.new(f"{obj.name} {NAMES[which]}", TREE)
     setattr(obj.stormfield.analysis, f"{which}_tree", tree)
     tree.owner, tree.which, tree.title = obj, which, graph.title
     tree.whole = False
