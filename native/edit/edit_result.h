@@ -12,9 +12,15 @@
 namespace stormfield {
 
 /// How the vectors inside a block were made.
-enum class Fill { None, Harmonic, Directions };
+enum class Fill {
+  None,
+  Harmonic,
+  Directions,
+  Rotation,  ///< as they were, but turned
+  Steps      ///< by several edits, each of which was verified
+};
 template <>
-inline constexpr Words kWords<Fill>{"fill", {"none", "harmonic", "directions"}};
+inline constexpr Words kWords<Fill>{"fill", {"none", "harmonic", "directions", "rotation", "steps"}};
 
 /// How far the vectors were changed.
 struct FieldChange {
@@ -37,5 +43,11 @@ struct EditResult {
 };
 
 FieldChange changeBetween(const VectorField& before, const VectorField& after);
+/// Ascending.
+std::vector<Index> changedVertices(const VectorField& before, const VectorField& after);
+
+/// Makes the result that of a verified edit: of the field after it, its topology, and what it left in its block.
+void accept(EditResult& result, const VectorField& before, VectorField after, Topology topology,
+            std::vector<EntityRef> left, std::vector<Index> faces, Fill fill);
 
 }  // namespace stormfield

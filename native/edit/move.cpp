@@ -143,21 +143,14 @@ class MoveSearch {
     if (progress_ != nullptr) progress_->check();
     if (checks_ >= options_.maxChecks || !hasPointAtTarget(filled)) return;
     ++checks_;
-    Topology after = findTopology(faces_, filled, options_.topology, nullptr);
+    Topology after = updatedTopology(faces_, filled, field_, topology_, options_.topology);
     Verification found = verifyMoved(field_.mesh(), topology_, after, point_);
     if (!found.fault.empty()) {
       fault_ = found.fault;
       return;
     }
-    result.applied = true;
     result.index = block.index;
-    result.change = changeBetween(field_, filled);
-    result.field = std::move(filled);
-    result.topology = std::move(after);
-    result.left = std::move(found.left);
-    result.faces = block.faces;
-    result.vertices = block.freeVertices;
-    result.fill = fill;
+    accept(result, field_, std::move(filled), std::move(after), std::move(found.left), block.faces, fill);
   }
 
   /// One fixed point more than those outside, near the target.

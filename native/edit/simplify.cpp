@@ -112,9 +112,7 @@ class Simplification {
       progress_.report(static_cast<double>(done) / all);
     }
     result_.change = changeBetween(original_, result_.field);
-    for (std::size_t v = 0; v < original_.values.size(); ++v) {
-      if (original_.values[v] != result_.field.values[v]) result_.vertices.push_back(static_cast<Index>(v));
-    }
+    result_.vertices = changedVertices(original_, result_.field);
     return std::move(result_);
   }
 

@@ -16,14 +16,35 @@ double wrapped(double angle) {
   return inside <= -kPi ? inside + 2.0 * kPi : inside;
 }
 
-/// Chart angles; a zero vector counts as lying along the x axis.
+/// A zero vector counts as lying along the x axis.
+double chartAngle(Complex value) {
+  // Adding zero makes 0 of -0, so that every zero vector has the same angle.
+  return std::atan2(value.imag() + 0.0, value.real() + 0.0);
+}
+
 std::vector<double> chartAngles(const TriangleMesh& mesh, const Complex* values) {
   std::vector<double> angles(mesh.vertexCount());
-  tbb::parallel_for(Index{0}, mesh.vertexCount(), [&](Index v) {
-    // Adding zero makes 0 of -0, so that every zero vector has the same angle.
-    angles[v] = std::atan2(values[v].imag() + 0.0, values[v].real() + 0.0);
-  });
+  tbb::parallel_for(Index{0}, mesh.vertexCount(), [&](Index v) { angles[v] = chartAngle(values[v]); });
   return angles;
+}
+
+/// Along an edge's own halfedge, from the chart angles of its tail and head.
+double edgeRotation(const VertexCharts& charts, Index halfedge, double tail, double head) {
+  return wrapped(head - charts.headAngle(halfedge) - (tail - charts.tailAngle(halfedge)));
+}
+
+/// rotationOf(edge) -> double
+template <typename Rotation>
+int indexOf(const VertexCharts& charts, Index f, Rotation&& rotationOf) {
+  const TriangleMesh& mesh = charts.mesh();
+  double angle = 0.0;
+  for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+    const Index e = mesh.edge(h);
+    const double rotation = rotationOf(e);
+    angle += mesh.edgeHalfedge(e) == h ? rotation : -rotation;
+    angle -= (1.0 - charts.scale(mesh.tail(h))) * mesh.cornerAngle(h);
+  }
+  return static_cast<int>(std::lround(angle / (2.0 * kPi)));
 }
 
 }  // namespace
@@ -34,7 +55,7 @@ std::vector<double> edgeRotations(const VertexCharts& charts, const Complex* val
   std::vector<double> rotations(mesh.edgeCount());
   tbb::parallel_for(Index{0}, mesh.edgeCount(), [&](Index e) {
     const Index h = mesh.edgeHalfedge(e);
-    rotations[e] = wrapped(angles[mesh.head(h)] - charts.headAngle(h) - (angles[mesh.tail(h)] - charts.tailAngle(h)));
+    rotations[e] = edgeRotation(charts, h, angles[mesh.tail(h)], angles[mesh.head(h)]);
   });
   return rotations;
 }
@@ -43,20 +64,22 @@ std::vector<int> poincareIndices(const VertexCharts& charts, const Complex* valu
   const TriangleMesh& mesh = charts.mesh();
   const std::vector<double> rotations = edgeRotations(charts, values);
   std::vector<int> indices(mesh.faceCount());
-  tbb::parallel_for(Index{0}, mesh.faceCount(), [&](Index f) {
-    double angle = 0.0;
-    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-      const Index e = mesh.edge(h);
-      angle += mesh.edgeHalfedge(e) == h ? rotations[e] : -rotations[e];
-      angle -= (1.0 - charts.scale(mesh.tail(h))) * mesh.cornerAngle(h);
-    }
-    indices[f] = static_cast<int>(std::lround(angle / (2.0 * kPi)));
-  });
+  tbb::parallel_for(Index{0}, mesh.faceCount(),
+                    [&](Index f) { indices[f] = indexOf(charts, f, [&](Index e) { return rotations[e]; }); });
   return indices;
 }
 
 std::vector<int> poincareIndices(const VectorField& field) {
   return poincareIndices(*field.charts, field.values.data());
+}
+
+int poincareIndex(const VectorField& field, Index face) {
+  const TriangleMesh& mesh = field.mesh();
+  return indexOf(*field.charts, face, [&](Index e) {
+    const Index h = mesh.edgeHalfedge(e);
+    return edgeRotation(*field.charts, h, chartAngle(field.values[mesh.tail(h)]),
+                        chartAngle(field.values[mesh.head(h)]));
+  });
 }
 
 }  // namespace stormfield

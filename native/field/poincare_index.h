@@ -20,5 +20,7 @@ std::vector<double> edgeRotations(const VertexCharts& charts, const Complex* val
 /// One index per face.
 std::vector<int> poincareIndices(const VertexCharts& charts, const Complex* values);
 std::vector<int> poincareIndices(const VectorField& field);
+/// Of one face.
+int poincareIndex(const VectorField& field, Index face);
 
 }  // namespace stormfield

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "base/message.h"
@@ -15,6 +17,7 @@
 #include "topology/detail/recurrent_components.h"
 #include "topology/detail/separatrix_directions.h"
 #include "topology/detail/streamline_search.h"
+#include "topology/detail/topology_memory.h"
 
 namespace stormfield {
 namespace {
@@ -86,13 +89,15 @@ std::vector<Index> placesByLowestFace(const std::vector<PeriodicOrbit>& orbits) 
 class TopologySearch {
  public:
   TopologySearch(const FlatFaces& faces, const VectorField& field, const std::vector<FixedPoint>& points,
-                 const RecurrentComponents& components, const TopologyOptions& options, Progress* progress)
+                 const RecurrentComponents& components, const TopologyOptions& options, Recollection* known,
+                 Progress* progress)
       : faces_(faces),
         field_(field),
         mesh_(field.mesh()),
         points_(points),
         components_(components),
         options_(options),
+        known_(known),
         progress_(progress),
         regions_(trappingRegions(field, points)),
         limitSets_(mesh_, points, regions_),
@@ -101,6 +106,7 @@ class TopologySearch {
         backward_(faces, field, Direction::Backward, options.tolerance) {}
 
   void seedStreamlines(const std::vector<BoundaryPoint>& boundaryPoints) {
+    adoptOrbits();
     for (std::size_t i = 0; i < points_.size(); ++i) seedSeparatrices(static_cast<Index>(i));
     for (std::size_t i = 0; i < points_.size(); ++i) seedBesideFixedPoint(static_cast<Index>(i));
     for (const BoundaryPoint& p : boundaryPoints) {
@@ -156,9 +162,10 @@ class TopologySearch {
     const std::vector<Index> places = placesByLowestFace(orbits_);
     evidence_.renumberOrbits(places);
     result.periodicOrbits.resize(orbits_.size());
-    for (std::size_t i = 0; i < orbits_.size(); ++i) result.periodicOrbits[places[i]] = std::move(orbits_[i]);
+    for (std::size_t i = 0; i < orbits_.size(); ++i) result.periodicOrbits[places[i]] = orbits_[i];
     for (const auto& s : evidence_.separatrices) result.separatrices.push_back(separatrix(s));
     result.links = entityLinks(points_, result.periodicOrbits, evidence_);
+    result.memory = memory(places);
   }
 
  private:
@@ -167,6 +174,9 @@ class TopologySearch {
   /// The number of a new streamline.
   std::size_t add(const StreamlineSeed& seed) {
     streamlines_.emplace_back(seed);
+    if (known_ != nullptr) {
+      if (auto same = known_->find(seed)) streamlines_.back().endAfter(std::move(same->course), same->end);
+    }
     return streamlines_.size() - 1;
   }
 
@@ -205,6 +215,21 @@ class TopologySearch {
       const double position = side == OrbitSide::Left ? section.low : section.high;
       const std::size_t streamline = add({.point = section.section.point(mesh_, position, away), .direction = away});
       evidence_.orbitSides.push_back({orbit, side, away, streamline});
+    }
+  }
+
+  /// Orbits that no change has touched.
+  void adoptOrbits() {
+    if (known_ == nullptr) return;
+    for (const Index before : known_->orbits()) {
+      const RememberedOrbit& orbit = known_->orbit(before);
+      known_->numberOrbit(before, limitSets_.orbitCount());
+      limitSets_.addOrbit(orbit.found);
+      orbits_.push_back(orbit.found.orbit);
+      remembered_.push_back(orbit);
+    }
+    for (std::size_t i = 0; i < remembered_.size(); ++i) {
+      seedBesideOrbit(static_cast<Index>(i), remembered_[i].found.bestSection);
     }
   }
 
@@ -258,6 +283,7 @@ class TopologySearch {
     const bool forward = streamline.direction() == Direction::Forward;
     if (flow == SideFlow::Closed || flow == (forward ? SideFlow::Attracted : SideFlow::Repelled)) {
       limitSets_.addSection(orbit, found.foundSection);
+      remember(orbit, orbitSearch_.facesBeside(found, found.foundSection, streamline.candidate().component));
       streamline.endIn({{EntityKind::PeriodicOrbit, orbit}, found.foundSide});
     } else {
       streamline.requireMoreReturns();
@@ -269,6 +295,9 @@ class TopologySearch {
     const Index orbit = limitSets_.orbitCount();
     limitSets_.addOrbit(found);
     orbits_.push_back(found.orbit);
+    remembered_.push_back({found, {}});
+    for (const SurfacePoint& p : found.orbit.points) remembered_.back().faces.push_back(p.face);
+    remember(orbit, orbitSearch_.facesBeside(found, found.bestSection, component));
     if (found.orbit.kind == OrbitKind::Center) {
       seedBeyondBand(orbit, found, component);
     } else {
@@ -277,22 +306,39 @@ class TopologySearch {
     return orbit;
   }
 
+  void remember(Index orbit, const std::vector<Index>& faces) {
+    std::vector<Index>& all = remembered_[orbit].faces;
+    all.insert(all.end(), faces.begin(), faces.end());
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+  }
+
   // The result -------------------------------------------------------------------------------------------------------
 
   /// The curve of its streamline, continued to the saddle.
   Separatrix separatrix(const ConnectionEvidence::OfSeparatrix& s) {
-    StreamlineSearch& streamline = streamlines_[s.streamline];
-    Separatrix result{s.saddle,
-                      s.outgoing,
-                      evidence_.ends[s.streamline].entity,
-                      std::move(streamline.points()),
-                      std::move(streamline.times()),
-                      streamline.length()};
+    const auto course = streamlines_[s.streamline].course();
+    Separatrix result{s.saddle,       s.outgoing,    evidence_.ends[s.streamline].entity,
+                      course->points, course->times, course->length};
     const FixedPoint& saddle = points_[s.saddle];
     result.length += (position(mesh_, result.points.front()) - saddle.position).norm();
     result.points.insert(result.points.begin(), saddle.point);
     result.times.insert(result.times.begin(), 0.0);
     return result;
+  }
+
+  /// places: of the orbits in the result.
+  std::shared_ptr<const TopologyMemory> memory(const std::vector<Index>& places) {
+    auto kept = std::make_shared<TopologyMemory>();
+    kept->orbits.resize(remembered_.size());
+    for (std::size_t i = 0; i < remembered_.size(); ++i) kept->orbits[places[i]] = std::move(remembered_[i]);
+    for (std::size_t i = 0; i < streamlines_.size(); ++i) {
+      const StreamlineEnd& end = evidence_.ends[i];
+      auto course = streamlines_[i].course();
+      if (end.entity.kind == EntityKind::None || !course->complete) continue;
+      kept->streamlines.push_back({streamlines_[i].seed(), end, std::move(course)});
+    }
+    return kept;
   }
 
   const FlatFaces& faces_;
@@ -301,6 +347,7 @@ class TopologySearch {
   const std::vector<FixedPoint>& points_;
   const RecurrentComponents& components_;
   const TopologyOptions& options_;
+  Recollection* known_;
   Progress* progress_;
   const std::vector<TrappingRegion> regions_;
   KnownLimitSets limitSets_;
@@ -308,6 +355,7 @@ class TopologySearch {
   const CrossingTrace forward_, backward_;
   std::deque<StreamlineSearch> streamlines_;  // a deque: candidates keep their addresses while streamlines are added
   std::vector<PeriodicOrbit> orbits_;         // in the order in which they are found
+  std::vector<RememberedOrbit> remembered_;   // of each orbit
   ConnectionEvidence evidence_;
 };
 
@@ -325,10 +373,9 @@ void check(const FlatFaces& faces, const VectorField& field, const TopologyOptio
   }
 }
 
-}  // namespace
-
-Topology findTopology(const FlatFaces& faces, const VectorField& field, const TopologyOptions& options,
-                      Progress* progress) {
+/// topologyBefore, before: none, or of another field that is known.
+Topology search(const FlatFaces& faces, const VectorField& field, const VectorField* before,
+                const Topology* topologyBefore, const TopologyOptions& options, Progress* progress) {
   check(faces, field, options);
   Topology result;
   Stopwatch watch(result.seconds);
@@ -341,17 +388,35 @@ Topology findTopology(const FlatFaces& faces, const VectorField& field, const To
       recurrentComponents(field, geometryMap(field), facesWithZeros(field, result.fixedPoints, result.zeros));
   watch.lap("recurrent_components");
 
-  TopologySearch search(faces, field, result.fixedPoints, components, options, progress);
-  search.seedStreamlines(result.boundaryPoints);
+  std::optional<Recollection> known;
+  if (before != nullptr) known.emplace(*topologyBefore, *before, field, result.fixedPoints);
+  TopologySearch streamlines(faces, field, result.fixedPoints, components, options, known ? &*known : nullptr,
+                             progress);
+  streamlines.seedStreamlines(result.boundaryPoints);
   while (true) {
-    search.traceRound();
+    streamlines.traceRound();
     watch.lap("streamlines");
-    if (!search.testOrbitCandidates()) break;
+    if (!streamlines.testOrbitCandidates()) break;
     watch.lap("periodic_orbits");
   }
-  search.collect(result);
+  streamlines.collect(result);
   watch.lap("links");
   return result;
+}
+
+}  // namespace
+
+Topology findTopology(const FlatFaces& faces, const VectorField& field, const TopologyOptions& options,
+                      Progress* progress) {
+  return search(faces, field, nullptr, nullptr, options, progress);
+}
+
+Topology updatedTopology(const FlatFaces& faces, const VectorField& field, const VectorField& before,
+                         const Topology& topologyBefore, const TopologyOptions& options, Progress* progress) {
+  if (before.values.size() != field.values.size() || topologyBefore.memory == nullptr) {
+    return findTopology(faces, field, options, progress);
+  }
+  return search(faces, field, &before, &topologyBefore, options, progress);
 }
 
 }  // namespace stormfield

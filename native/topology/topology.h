@@ -16,6 +16,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ struct ZeroRegions {
   Index vertices = 0;  ///< vertices with a zero vector
 };
 
+struct TopologyMemory;
+
 struct Topology {
   std::vector<FixedPoint> fixedPoints;        ///< in face order
   std::vector<BoundaryPoint> boundaryPoints;  ///< loop by loop
@@ -41,7 +44,8 @@ struct Topology {
   std::vector<Separatrix> separatrices;       ///< by saddle, outgoing first
   std::vector<EntityLink> links;              ///< ascending by source and target
   ZeroRegions zeros;
-  std::map<std::string, double> seconds;  ///< by phase
+  std::map<std::string, double> seconds;         ///< by phase
+  std::shared_ptr<const TopologyMemory> memory;  ///< for updatedTopology
 };
 
 struct TopologyOptions {
@@ -60,5 +64,11 @@ struct TopologyOptions {
 /// Cancelled.
 Topology findTopology(const FlatFaces& faces, const VectorField& field, const TopologyOptions& options = {},
                       Progress* progress = nullptr);
+
+/// The same for a field that differs in some vectors from one whose topology is known by these options: streamlines and
+/// isolated periodic orbits that cross no face with a changed vector are not searched again.
+Topology updatedTopology(const FlatFaces& faces, const VectorField& field, const VectorField& before,
+                         const Topology& topologyBefore, const TopologyOptions& options = {},
+                         Progress* progress = nullptr);
 
 }  // namespace stormfield

@@ -115,7 +115,6 @@ bool BlockGrowth::isWall(Index face, Walls walls) const {
 }
 
 std::optional<Block> BlockGrowth::grown(Growth growth, int count, Walls walls) const {
-  if (std::any_of(core_.begin(), core_.end(), [&](Index f) { return isWall(f, walls); })) return std::nullopt;
   FaceRegion region = rings(count, walls);
   if (growth == Growth::Hull) region = hull(region);
   fillEnclosed(region);
@@ -134,7 +133,10 @@ std::optional<Block> BlockGrowth::grown(Growth growth, int count, Walls walls) c
 
 FaceRegion BlockGrowth::rings(int count, Walls walls) const {
   FaceRegion region(field_.mesh());
-  for (const Index f : core_) region.add(f);
+  // A separatrix of the interval may pass through the face of another entity.
+  for (const Index f : core_) {
+    if (!isWall(f, walls)) region.add(f);
+  }
   for (int i = 0; i < count; ++i) addRing(region, walls);
   return region;
 }
@@ -142,6 +144,7 @@ FaceRegion BlockGrowth::rings(int count, Walls walls) const {
 FaceRegion BlockGrowth::hull(const FaceRegion& within) const {
   FaceRegion reached(field_.mesh()), reaching(field_.mesh()), both(field_.mesh());
   for (const Index f : core_) {
+    if (!within.holds(f)) continue;
     reached.add(f);
     reaching.add(f);
     both.add(f);

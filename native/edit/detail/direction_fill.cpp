@@ -41,6 +41,10 @@ class Region {
       std::sort(list->begin(), list->end());
       list->erase(std::unique(list->begin(), list->end()), list->end());
     }
+    facePlaces_ = placesOf(faces, mesh.faceCount());
+    edgePlaces_ = placesOf(edges, mesh.edgeCount());
+    vertexPlaces_ = placesOf(vertices, mesh.vertexCount());
+    for (const Index e : edges) weights_.push_back(positiveEdgeWeight(mesh, e));
   }
 
   bool isFree(Index v) const { return number[v] != kNone; }
@@ -48,13 +52,11 @@ class Region {
     const Index h = mesh.edgeHalfedge(edge);
     return !isFree(mesh.tail(h)) && !isFree(mesh.head(h));
   }
-  Index place(const std::vector<Index>& list, Index element) const {
-    return static_cast<Index>(std::lower_bound(list.begin(), list.end(), element) - list.begin());
-  }
-  Index facePlace(Index face) const {
-    const auto at = std::lower_bound(faces.begin(), faces.end(), face);
-    return at != faces.end() && *at == face ? static_cast<Index>(at - faces.begin()) : kNone;
-  }
+  /// Places in the lists below, kNone for what is outside.
+  Index facePlace(Index face) const { return facePlaces_[face]; }
+  Index edgePlace(Index edge) const { return edgePlaces_[edge]; }
+  Index vertexPlace(Index vertex) const { return vertexPlaces_[vertex]; }
+  double weight(Index edge) const { return weights_[edgePlaces_[edge]]; }
   double givenRotation(Index edge) const {
     const Index h = mesh.edgeHalfedge(edge);
     return wrapped(std::arg(field.values[mesh.head(h)]) - charts.headAngle(h) - std::arg(field.values[mesh.tail(h)]) +
@@ -74,6 +76,15 @@ class Region {
   const std::vector<Index>& free;
   std::vector<Index> number;
   std::vector<Index> faces, edges, vertices;
+
+ private:
+  static std::vector<Index> placesOf(const std::vector<Index>& list, Index count) {
+    std::vector<Index> places(count, kNone);
+    for (std::size_t i = 0; i < list.size(); ++i) places[list[i]] = static_cast<Index>(i);
+    return places;
+  }
+  std::vector<Index> facePlaces_, edgePlaces_, vertexPlaces_;
+  std::vector<double> weights_;  ///< per place of an edge
 };
 
 /// Faces by edges that are not given: the order of a search from a root, and the edge to the face that each was found
@@ -135,7 +146,7 @@ std::vector<Index> depths(const Region& region) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     forEachNeighbour(region.mesh, region.vertices[order[i]], [&](Index neighbour, Index, bool) {
       if (!region.isFree(neighbour)) return;
-      const Index place = region.place(region.vertices, neighbour);
+      const Index place = region.vertexPlace(neighbour);
       if (distance[place] != kNone) return;
       distance[place] = distance[order[i]] + 1;
       order.push_back(place);
@@ -143,9 +154,9 @@ std::vector<Index> depths(const Region& region) {
   }
   std::vector<Index> result;
   for (const Index f : region.faces) {
-    Index least = distance[region.place(region.vertices, region.mesh.vertex(f, 0))];
+    Index least = distance[region.vertexPlace(region.mesh.vertex(f, 0))];
     for (int k = 1; k < 3; ++k) {
-      least = std::min(least, distance[region.place(region.vertices, region.mesh.vertex(f, k))]);
+      least = std::min(least, distance[region.vertexPlace(region.mesh.vertex(f, k))]);
     }
     result.push_back(least);
   }
@@ -188,9 +199,9 @@ std::vector<double> anyRotations(const Region& region, const std::vector<FaceTre
       const Index f = region.faces[*place];
       double rest = 2.0 * kPi * indices[*place] + region.twist(f);
       for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-        if (h != toParent) rest -= region.sign(h) * rotations[region.place(region.edges, region.mesh.edge(h))];
+        if (h != toParent) rest -= region.sign(h) * rotations[region.edgePlace(region.mesh.edge(h))];
       }
-      rotations[region.place(region.edges, region.mesh.edge(toParent))] = region.sign(toParent) * rest;
+      rotations[region.edgePlace(region.mesh.edge(toParent))] = region.sign(toParent) * rest;
     }
   }
   return rotations;
@@ -224,11 +235,11 @@ class Angles {
   }
 
  private:
-  Index at(Index vertex) const { return region_.place(region_.vertices, vertex); }
+  Index at(Index vertex) const { return region_.vertexPlace(vertex); }
   double stepAlong(Index canonical, double rotation) const {
     return rotation + region_.charts.headAngle(canonical) - region_.charts.tailAngle(canonical);
   }
-  bool inRegion(Index edge) const { return std::binary_search(region_.edges.begin(), region_.edges.end(), edge); }
+  bool inRegion(Index edge) const { return region_.edgePlace(edge) != kNone; }
 
   void follow(Index root, std::vector<char>& seen) {
     angle[root] = std::arg(region_.field.values[region_.vertices[root]]);
@@ -240,7 +251,7 @@ class Angles {
         const Index next = at(neighbour);
         if (seen[next] != 0) return;
         seen[next] = 1;
-        const double step = stepAlong(region_.mesh.edgeHalfedge(edge), rotations_[region_.place(region_.edges, edge)]);
+        const double step = stepAlong(region_.mesh.edgeHalfedge(edge), rotations_[region_.edgePlace(edge)]);
         angle[next] = angle[order[i]] + (along ? step : -step);
         order.push_back(next);
       });
@@ -273,7 +284,7 @@ Matrix laplacian(const Region& region) {
   std::vector<Eigen::Triplet<double>> entries;
   for (const Index v : region.free) {
     forEachNeighbour(region.mesh, v, [&](Index neighbour, Index edge, bool) {
-      const double weight = positiveEdgeWeight(region.mesh, edge);
+      const double weight = region.weight(edge);
       entries.emplace_back(region.number[v], region.number[v], weight);
       if (region.isFree(neighbour)) entries.emplace_back(region.number[v], region.number[neighbour], -weight);
     });
@@ -290,11 +301,10 @@ Vector continuation(const Region& region, const Eigen::SimplicialLDLT<Matrix>& f
   Vector right = Vector::Zero(static_cast<Eigen::Index>(region.free.size()));
   for (const Index v : region.free) {
     forEachNeighbour(region.mesh, v, [&](Index neighbour, Index edge, bool along) {
-      const double weight = positiveEdgeWeight(region.mesh, edge);
-      if (!region.isFree(neighbour))
-        right[region.number[v]] += weight * given[region.place(region.vertices, neighbour)];
+      const double weight = region.weight(edge);
+      if (!region.isFree(neighbour)) right[region.number[v]] += weight * given[region.vertexPlace(neighbour)];
       if (rotations == nullptr) return;
-      const double rotation = (*rotations)[region.place(region.edges, edge)];
+      const double rotation = (*rotations)[region.edgePlace(edge)];
       right[region.number[v]] += weight * (along ? rotation : -rotation);
     });
   }
@@ -369,9 +379,9 @@ class Potentials {
     double sum = 0.0;
     for (std::size_t i = 0; i < region_.edges.size(); ++i) {
       const Index h = region_.mesh.edgeHalfedge(region_.edges[i]);
-      const double rotation = rotations_[i] + potential[region_.place(region_.vertices, region_.mesh.head(h))] -
-                              potential[region_.place(region_.vertices, region_.mesh.tail(h))];
-      sum += positiveEdgeWeight(region_.mesh, region_.edges[i]) * rotation * rotation;
+      const double rotation = rotations_[i] + potential[region_.vertexPlace(region_.mesh.head(h))] -
+                              potential[region_.vertexPlace(region_.mesh.tail(h))];
+      sum += region_.weight(region_.edges[i]) * rotation * rotation;
     }
     return sum;
   }

@@ -192,12 +192,14 @@ class Comparison {
 
 }  // namespace
 
-EntityMatch matchEntities(const TriangleMesh& mesh, const Topology& before, const Topology& after) {
+EntityMatch matchEntities(const TriangleMesh& mesh, const Topology& before, const Topology& after,
+                          const Interval& changed) {
   EntityMatch match{std::vector<Index>(before.fixedPoints.size(), kNone),
                     std::vector<Index>(before.periodicOrbits.size(), kNone),
                     {}};
   std::vector<char> pointTaken(after.fixedPoints.size(), 0), orbitTaken(after.periodicOrbits.size(), 0);
   for (std::size_t i = 0; i < before.fixedPoints.size(); ++i) {
+    if (changed.holds({EntityKind::FixedPoint, static_cast<Index>(i)})) continue;
     for (std::size_t j = 0; j < after.fixedPoints.size(); ++j) {
       if (pointTaken[j] != 0 || !samePoint(before.fixedPoints[i], after.fixedPoints[j])) continue;
       pointTaken[j] = 1;
@@ -208,6 +210,7 @@ EntityMatch matchEntities(const TriangleMesh& mesh, const Topology& before, cons
   std::vector<std::vector<Index>> facesAfter;
   for (const PeriodicOrbit& orbit : after.periodicOrbits) facesAfter.push_back(facesAlong(mesh, orbit.points));
   for (std::size_t i = 0; i < before.periodicOrbits.size(); ++i) {
+    if (changed.holds({EntityKind::PeriodicOrbit, static_cast<Index>(i)})) continue;
     const std::vector<Index> faces = facesAlong(mesh, before.periodicOrbits[i].points);
     for (std::size_t j = 0; j < after.periodicOrbits.size(); ++j) {
       if (orbitTaken[j] != 0 || !sameOrbit(before.periodicOrbits[i], after.periodicOrbits[j], faces, facesAfter[j])) {
@@ -229,7 +232,7 @@ EntityMatch matchEntities(const TriangleMesh& mesh, const Topology& before, cons
 
 Verification verify(const TriangleMesh& mesh, const Topology& before, const Topology& after, const Interval& changed,
                     const Contents& wanted) {
-  const Comparison comparison(mesh, before, after, changed, matchEntities(mesh, before, after));
+  const Comparison comparison(mesh, before, after, changed, matchEntities(mesh, before, after, changed));
   Verification result{"", comparison.left()};
   result.fault = comparison.lostEntity();
   if (result.fault.empty()) result.fault = comparison.wrongContents(wanted);
@@ -240,7 +243,8 @@ Verification verify(const TriangleMesh& mesh, const Topology& before, const Topo
 
 Verification verifyMoved(const TriangleMesh& mesh, const Topology& before, const Topology& after, Index moved) {
   const Interval nothing;
-  EntityMatch match = matchEntities(mesh, before, after);
+  const EntityRef entity{EntityKind::FixedPoint, moved};
+  EntityMatch match = matchEntities(mesh, before, after, {entity, entity, {}, {}});
   Verification result{"", match.unmatched};
   const FixedPoint& point = before.fixedPoints[moved];
   const bool one = match.unmatched.size() == 1 && match.unmatched[0].kind == EntityKind::FixedPoint;

@@ -24,8 +24,9 @@ struct EntityMatch {
   std::vector<EntityRef> unmatched;                ///< after, ascending
 };
 
-/// Fixed points by place and kind, orbits by kind and the faces that they cross.
-EntityMatch matchEntities(const TriangleMesh& mesh, const Topology& before, const Topology& after);
+/// Fixed points by place and kind, orbits by kind and the faces that they cross; none for those that may change.
+EntityMatch matchEntities(const TriangleMesh& mesh, const Topology& before, const Topology& after,
+                          const Interval& changed);
 
 struct Verification {
   std::string fault;            ///< empty: verified; else what is wrong, with the entity

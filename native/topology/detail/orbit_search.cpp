@@ -364,6 +364,27 @@ void OrbitSearch::classify(const BothSides<SideProbe>& probes, Direction directi
   }
 }
 
+std::vector<Index> OrbitSearch::facesBeside(const FoundOrbit& found, const OrbitSection& section,
+                                            Index component) const {
+  const TriangleMesh& mesh = field_.mesh();
+  std::vector<Index> faces;
+  for (const Index h : section.section.halfedges()) {
+    faces.push_back(TriangleMesh::face(h));
+    if (mesh.twin(h) != kNone) faces.push_back(TriangleMesh::face(mesh.twin(h)));
+  }
+  int loops = 0;
+  for (const EdgePassage& passage : found.passages) loops += section.section.at(mesh, passage) ? 1 : 0;
+  for (const double end : {section.low, section.high}) {
+    for (const Direction direction : {Direction::Forward, Direction::Backward}) {
+      ReturnMap returns = returnMap(direction, section.section, std::max(loops, 1), component, found.crossings);
+      const auto back =
+          returns.run(end, [&](const SurfacePoint& p, double, const EdgePassage&) { faces.push_back(p.face); });
+      if (back) break;
+    }
+  }
+  return faces;
+}
+
 std::optional<std::vector<Index>> OrbitSearch::facesIfClosed(Index halfedge, double fraction, Index component,
                                                              Index crossings, double tolerance) const {
   const Section section(field_, halfedge, 1);

@@ -84,6 +84,10 @@ class OrbitSearch {
   /// it. isKnown(FoundOrbit with its passages): then its sides are not examined.
   Outcome findFrom(const OrbitCandidate& candidate, const std::function<bool(const FoundOrbit&)>& isKnown) const;
 
+  /// The faces of the streamlines, once around, from both ends of a section that an orbit crosses, and those beside the
+  /// section: what is known of the flow between there and the orbit rests on these and the orbit's own.
+  std::vector<Index> facesBeside(const FoundOrbit& found, const OrbitSection& section, Index component) const;
+
   /// The faces of the streamline through a point of an edge, if it closes within tolerance (mean edge lengths).
   std::optional<std::vector<Index>> facesIfClosed(Index halfedge, double fraction, Index component, Index crossings,
                                                   double tolerance) const;

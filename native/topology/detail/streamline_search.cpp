@@ -21,9 +21,10 @@ void StreamlineSearch::trace(CrossingTrace trace, const KnownLimitSets& limitSet
   const TraceEnd traced = trace.run(at_, [&](const SurfacePoint& p, double time, const EdgePassage& passage) {
     at_ = p;
     if (progress != nullptr && ++sinceCheck % kStepsPerCheck == 0) progress->check();
-    if (seed_.keepsPoints && (!first || points_.empty())) {
-      points_.push_back(p);
-      times_.push_back(time_ + time);
+    if (going_.faces.empty() || going_.faces.back() != p.face) going_.faces.push_back(p.face);
+    if (seed_.keepsPoints && (!first || going_.points.empty())) {
+      going_.points.push_back(p);
+      going_.times.push_back(time_ + time);
     }
     // A resumed streamline has been tested at this point when it came here.
     const bool resumed = first && crossings_ > 0;
@@ -46,7 +47,7 @@ void StreamlineSearch::trace(CrossingTrace trace, const KnownLimitSets& limitSet
     return continuesAfter(passage, limitSets, time_ + time);
   });
   time_ += traced.time;
-  length_ += traced.length;
+  going_.length += traced.length;
   if (traced.reason == StopReason::Boundary) endIn({{EntityKind::Boundary, kNone}});
   if (traced.reason == StopReason::MinSpeed) endIn({limitSets.fixedPointNear(at_)});
   if (traced.reason == StopReason::StepLimit) endIn({});

@@ -11,8 +11,10 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "base/progress.h"
@@ -26,6 +28,15 @@ struct StreamlineSeed {
   Direction direction = Direction::Forward;
   bool keepsPoints = false;             ///< the curve itself is wanted
   std::optional<Index> component = {};  ///< the streamline ends where it leaves this recurrent component
+};
+
+/// Where a streamline went.
+struct StreamlineCourse {
+  std::vector<Index> faces;          ///< in their order
+  bool complete = true;              ///< whether no part was skipped
+  std::vector<SurfacePoint> points;  ///< where the seed keeps points
+  std::vector<double> times;         ///< per point, seconds
+  double length = 0.0;               ///< mesh units
 };
 
 class StreamlineSearch {
@@ -43,14 +54,22 @@ class StreamlineSearch {
   State state() const { return state_; }
   const OrbitCandidate& candidate() const { return candidate_; }  ///< where it has Returned
   const StreamlineEnd& end() const { return end_; }               ///< where it has Ended
-  std::vector<SurfacePoint>& points() { return points_; }
-  std::vector<double>& times() { return times_; }  ///< per point, seconds
-  double length() const { return length_; }        ///< mesh units
+  const StreamlineSeed& seed() const { return seed_; }
+  /// Where it has Ended.
+  std::shared_ptr<const StreamlineCourse> course() {
+    if (course_ == nullptr) course_ = std::make_shared<const StreamlineCourse>(std::move(going_));
+    return course_;
+  }
 
   // What came of its candidate:
   void endIn(const StreamlineEnd& end) {
     end_ = end;
     state_ = State::Ended;
+  }
+  /// Where it goes is known.
+  void endAfter(std::shared_ptr<const StreamlineCourse> course, const StreamlineEnd& end) {
+    course_ = std::move(course);
+    endIn(end);
   }
   /// No orbit: the streamline becomes a candidate again after twice as many returns.
   void requireMoreReturns() { returnsRequired_ *= 2; }
@@ -58,6 +77,7 @@ class StreamlineSearch {
   void defer() { ++returnsRequired_; }
   /// Continues from a later point of the same slow spiral.
   void restartAt(const SurfacePoint& p) {
+    going_.complete = false;
     at_ = p;
     visits_.clear();
     returnsRequired_ = kFirstReturns;
@@ -87,9 +107,9 @@ class StreamlineSearch {
   State state_ = State::Going;
   StreamlineEnd end_;
   OrbitCandidate candidate_;
-  std::vector<SurfacePoint> points_;
-  std::vector<double> times_;
-  double length_ = 0.0, time_ = 0.0;
+  StreamlineCourse going_;  ///< so far
+  std::shared_ptr<const StreamlineCourse> course_;
+  double time_ = 0.0;
   std::unordered_map<Index, Visits> visits_;  ///< by halfedge, of the component at hand
   Index component_ = kNone, crossings_ = 0, steps_ = 0, returnsRequired_ = kFirstReturns;
 };
