@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 @click.option("--out", required=True, type=click.Path(), help="Folder of the cache.")
 @click.option("--json", "report", help="File for a report; - is standard output.")
 def edit(field: str, edits: str, choice: Choice, out: str, report: str | None) -> None:
-    """Apply EDITS to FIELD, in order: cancel, move, smooth, simplify, transform. Each is verified by the analysis of
-    the field, or refused and changes nothing; the report says which, and why. Of a cache both fields are edited, or
-    with --attribute that one alone."""
+    """Apply EDITS to FIELD, in order: cancel, move, smooth, simplify, transform, remove_bifurcation, move_bifurcation.
+    Each is verified by the analysis of the field, or refused and changes nothing; the report says which, and why. Of a
+    cache both fields are edited, or with --attribute that one alone."""
     from ..bake.edited import edited_fields, report_json
     from ..bake.given import GivenField, given_steps
     from ..work import run

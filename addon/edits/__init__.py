@@ -19,9 +19,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import native
-from ..model.edits import Edit
+from ..model.edits import BIFURCATION_TYPES, Edit
 from ..model.words import Json
 from ..work import Steps, result_of, scaled
+from .bifurcation_edits import bifurcation_steps
 from .memory import EditMemory, Made, key_of
 from .report import OFF, EditReport, turned_off
 from .single import SampleEdit, edit_sample
@@ -96,6 +97,9 @@ def _made(field: native.ParameterizedField, edit: Edit, orientation: native.Para
     if edit.type == "transform":
         after, done = transformed(field, edit, orientation)
         values, report = np.array(after.values), EditReport.of(edit, list(edit.lam), [done])
+    elif edit.type in BIFURCATION_TYPES:
+        values, done = yield from scaled(bifurcation_steps(field, edit), 0.0, MADE)
+        report = EditReport.of(edit, [edit.lam[0]], [done])
     else:
         values = before.copy()
         report = yield from scaled(_apply(field, values, edit), 0.0, MADE)
@@ -136,6 +140,8 @@ def _bifurcations(
 
 def _window(lambdas: np.ndarray, edit: Edit) -> slice:
     """The samples that an edit may change, and one more on each side: what lies between is changed as well."""
+    if edit.type in BIFURCATION_TYPES:
+        return slice(0, len(lambdas))
     if edit.transform is not None:
         first = int(np.searchsorted(lambdas, edit.transform.begin))
         return slice(max(first - 1, 0), len(lambdas))

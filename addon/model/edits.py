@@ -18,7 +18,9 @@ from .transform import Transform, transform_from_json
 from .words import Json
 
 SCHEMA = "stormfield.edits/1"
-EditType = Literal["cancel", "move", "smooth", "simplify", "transform"]
+EditType = Literal["cancel", "move", "smooth", "simplify", "transform", "remove_bifurcation", "move_bifurcation"]
+#: Those that act over λ, on what fixed points do there.
+BIFURCATION_TYPES: tuple[EditType, ...] = ("remove_bifurcation", "move_bifurcation")
 TYPES: tuple[EditType, ...] = get_args(EditType)
 Vector = tuple[float, float, float]
 #: What an edit of each type must say, and what besides.
@@ -28,6 +30,8 @@ NEEDS: Mapping[EditType, tuple[str, ...]] = {
     "smooth": ("region",),
     "simplify": (),
     "transform": (),
+    "remove_bifurcation": ("at", "lam"),
+    "move_bifurcation": ("at", "lam"),
 }
 MAY: Mapping[EditType, tuple[str, ...]] = {
     "cancel": ("reach",),
@@ -35,6 +39,8 @@ MAY: Mapping[EditType, tuple[str, ...]] = {
     "smooth": ("reach",),
     "simplify": ("reach", "epsilon", "keep"),
     "transform": ("angle", "scale", "stretch", "axis", "frozen", "region", "falloff"),
+    "remove_bifurcation": ("reach", "until"),
+    "move_bifurcation": ("reach", "to", "to_lam"),
 }
 ALL = ("type", "enabled", "field", "lam")
 
@@ -58,6 +64,12 @@ class Region:
 
 
 @dataclass(frozen=True)
+class BifurcationAt:
+    at: Vector
+    lam: float
+
+
+@dataclass(frozen=True)
 class Edit:
     """edits.schema.json says what each value means; what does not belong to the type has its default."""
 
@@ -66,6 +78,9 @@ class Edit:
     reach: float = 0.0
     entities: tuple[EntityAt, ...] = ()  #: two of cancel, one of move
     to: Vector = (0.0, 0.0, 0.0)
+    at: Vector = (0.0, 0.0, 0.0)  #: of a bifurcation
+    until: BifurcationAt | None = None  #: remove_bifurcation: where the pair that vanished appears again
+    to_lam: float | None = None
     region: Region = Region()
     epsilon: float | None = None
     keep: int = 0
@@ -77,6 +92,10 @@ class Edit:
     @property
     def has_region(self) -> bool:
         return self.region != Region()
+
+    @property
+    def has_to(self) -> bool:
+        return "to" in dict(self.given)
 
     def to_json(self) -> dict[str, Json]:
         return dict(self.given)
@@ -104,6 +123,8 @@ def _edit(data: Mapping[str, Json], where: str) -> Edit:
         raise InputError(f"{where}: simplify needs epsilon or keep: add one")
     if kind == "cancel" and data["entities"][0] == data["entities"][1]:
         raise InputError(f"{where}: the {data['entities'][0]['kind']} is given twice: choose two entities")
+    if kind == "move_bifurcation" and "to" not in data and "to_lam" not in data:
+        raise InputError(f"{where}: move_bifurcation needs to or to_lam: add one")
     entities = data.get("entities", [data["entity"]] if "entity" in data else [])
     lam = _range(data.get("lam", [0.0, 1.0] if kind == "transform" else 0.0), kind, where)
     return Edit(
@@ -112,6 +133,9 @@ def _edit(data: Mapping[str, Json], where: str) -> Edit:
         reach=float(data.get("reach", 0.0)),
         entities=tuple(EntityAt(entity["kind"], _vector(entity["at"])) for entity in entities),
         to=_vector(data.get("to", (0.0, 0.0, 0.0))),
+        at=_vector(data.get("at", (0.0, 0.0, 0.0))),
+        until=_bifurcation(data["until"]) if "until" in data else None,
+        to_lam=data.get("to_lam"),
         region=_region(data["region"], where) if "region" in data else Region(),
         epsilon=data.get("epsilon"),
         keep=data.get("keep", 0),
@@ -134,7 +158,7 @@ def _finite(value: Json) -> bool:
 def _range(lam: Json, kind: EditType, where: str) -> tuple[float, float]:
     if not isinstance(lam, list):
         return float(lam), float(lam)
-    if kind in ("cancel", "move"):
+    if kind in ("cancel", "move", *BIFURCATION_TYPES):
         raise InputError(f"{where}: {kind} acts at one λ: give a number")
     if lam[1] < lam[0]:
         raise InputError(f"{where}: λ runs from {lam[0]:g} back to {lam[1]:g}: give the smaller one first")
@@ -151,6 +175,10 @@ def _region(data: Mapping[str, Json], where: str) -> Region:
         loop=tuple(_vector(point) for point in data.get("loop", ())),
         faces=tuple(data.get("faces", ())),
     )
+
+
+def _bifurcation(data: Mapping[str, Json]) -> BifurcationAt:
+    return BifurcationAt(_vector(data["at"]), float(data["lam"]))
 
 
 def _vector(values: Sequence[float]) -> Vector:
