@@ -29,8 +29,8 @@ EditResult cancelPair(const FlatFaces& faces, const VectorField& field, const To
     const ConleyIndex index = intervalIndex(topology, interval);
     result.index = index;
     CancelSearch search(task, interval, index);
-    const bool found = search.run(result) || cancelInSteps(task, interval, index, result) ||
-                       cancelAfterMove(task, interval, index, result);
+    const bool found = search.run(result) || (options.inSteps && (cancelInSteps(task, interval, index, result) ||
+                                                                  cancelAfterMove(task, interval, index, result)));
     if (!found) result.reason = search.reason();
   } catch (const InputError& fault) {
     result.reason = fault.what();

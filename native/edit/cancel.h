@@ -3,7 +3,8 @@
 //
 // The block grows ring by ring. Each is filled by the constrained Laplace equation, then by directions with as few zeros
 // as its border allows. The first field is taken whose topology holds inside the block exactly what the index asks for,
-// and outside the same graph as before. Where none does, nothing changes, and the reason says which test failed.
+// and outside the same graph as before. Where none does, several edits are tried: the pairs in between one after the other, or
+// a move of one entity to the other first. In the end nothing changes, and the reason says which test failed.
 //
 // All six direct and seven indirect cases of the thesis (figures 4.1, 4.2) are one method: the index decides what remains.
 // Vectors outside the block, and at the boundary of the surface, keep their bits.
@@ -22,8 +23,9 @@ namespace stormfield {
 
 struct CancelOptions {
   TopologyOptions topology = {};
-  int maxRings = 12;   ///< of faces around the pair, up to which the block grows
-  int maxChecks = 16;  ///< fields whose whole topology is found, before the pair is given up
+  int maxRings = 12;    ///< of faces around the pair, up to which the block grows
+  int maxChecks = 16;   ///< fields whose topology is found, before one change of the field is given up
+  bool inSteps = true;  ///< whether several edits are tried where no single change is verified
 };
 
 /// What cancelling a pair would do.

@@ -74,9 +74,7 @@ bool makesSimpler(const Topology& topology, const TriangleMesh& mesh, const Enti
 }
 
 /// Linked pairs by rising persistence.
-std::vector<Pair> pairsOf(const VectorField& field, const Topology& topology, Progress& progress) {
-  const TriangleMesh& mesh = field.mesh();
-  const JoinLevels levels(field, progress);
+std::vector<Pair> pairsOf(const TriangleMesh& mesh, const Topology& topology, const JoinLevels& levels) {
   std::vector<Pair> pairs;
   for (const EntityLink& link : topology.links) {
     if (!makesSimpler(topology, mesh, link)) continue;
@@ -101,6 +99,7 @@ class Simplification {
         options_(options),
         progress_(progress),
         unit_(meanSpeed(field)),
+        levels_(field, progress),
         first_(entityCount(topology)) {
     result_.field = field;
     result_.topology = topology;
@@ -119,7 +118,7 @@ class Simplification {
  private:
   /// Whether a pair was cancelled. One that could not be is tried again after all others have been.
   bool cancelNext() {
-    const std::vector<Pair> pairs = pairsOf(result_.field, result_.topology, progress_);
+    const std::vector<Pair> pairs = pairsOf(original_.mesh(), result_.topology, levels_);
     for (const bool again : {false, true}) {
       if (again && !appliedSince_) break;
       if (again) {
@@ -157,6 +156,7 @@ class Simplification {
   const SimplifyOptions& options_;
   Progress& progress_;
   const double unit_;
+  const JoinLevels levels_;
   const int first_;
   SimplifyResult result_;
   std::set<std::string> refused_;

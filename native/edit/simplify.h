@@ -1,7 +1,7 @@
 // Simplifying a field: linked pairs are cancelled one after the other, the least persistent first (thesis 4.3, 6.4).
 //
 // The persistence of a pair is the least error bound epsilon at which both lie in one strongly connected component of the
-// geometry-based map (morse/persistence.h): fields within that bound exist of which no Morse decomposition tells them
+// geometry-based map of the given field (morse/persistence.h): fields within that bound exist of which no Morse decomposition tells them
 // apart. Each cancellation is verified (edit/cancel.h), and a pair that cannot be cancelled is left. Pairs that would leave
 // as many entities as before are not tried.
 //
@@ -21,7 +21,8 @@ struct SimplifyOptions {
   /// Pairs up to this persistence are cancelled, and no vector may change by more; in mean speeds of the field.
   double epsilon = std::numeric_limits<double>::infinity();
   int keep = 0;  ///< fixed points and periodic orbits at which to stop
-  CancelOptions cancel = {};
+  /// Of a pair that needs several edits others are cancelled first.
+  CancelOptions cancel = {.maxChecks = 6, .inSteps = false};
 };
 
 /// One pair that was tried.

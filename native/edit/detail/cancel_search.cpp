@@ -40,14 +40,25 @@ CancelSearch::CancelSearch(const EditTask& task, const Interval& interval, const
   for (const EntityRef& entity : {interval.repeller, interval.attractor}) {
     if (!isOrbit(entity)) zeroFaces_.push_back(task.topology.fixedPoints[entity.index].point.face);
   }
+  // A saddle that remains of a pair with an orbit stands where the orbit is broken.
+  if (!holdsOrbit()) return;
+  for (const Index s : interval.separatrices) {
+    const std::vector<SurfacePoint>& points = task.topology.separatrices[s].points;
+    for (const std::size_t part : {2, 3}) zeroFaces_.push_back(points[part * points.size() / 4].face);
+  }
+}
+
+bool CancelSearch::holdsOrbit() const {
+  return isOrbit(interval_.repeller) || isOrbit(interval_.attractor);
 }
 
 bool CancelSearch::run(EditResult& result) {
-  const bool anyOrbit = isOrbit(interval_.repeller) || isOrbit(interval_.attractor);
   using Try = void (CancelSearch::*)(const Block&, EditResult&);
   for (const Try tryBlock : {&CancelSearch::tryFills, &CancelSearch::tryRotations}) {
-    if (tryBlock == &CancelSearch::tryRotations && !anyOrbit) break;
-    maxChecks_ = checks_ + task_.options.maxChecks;
+    if (tryBlock == &CancelSearch::tryRotations && !holdsOrbit()) break;
+    // Turned orbits are searched anew in each field, which takes long.
+    maxChecks_ =
+        checks_ + (tryBlock == &CancelSearch::tryFills ? task_.options.maxChecks : task_.options.maxChecks / 2);
     for (std::size_t i = 0; checks_ < maxChecks_; ++i) {
       const Block* block = blocks_.at(i);
       if (block == nullptr) break;

@@ -32,6 +32,7 @@ class CancelSearch {
   std::string reason() const;
 
  private:
+  bool holdsOrbit() const;
   void tryFills(const Block& block, EditResult& result);
   void tryRotations(const Block& block, EditResult& result);
   void tryField(VectorField filled, Fill fill, const Block& block, EditResult& result);

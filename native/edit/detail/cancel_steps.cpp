@@ -18,6 +18,11 @@ constexpr int kMaxChecks = 6;  ///< of fields for one pair
 /// How far from its partner an entity that was moved stands, in mean edge lengths.
 constexpr double kNear[] = {6.0, 12.0};
 
+CancelOptions ofOneStep(CancelOptions options) {
+  options.maxChecks = std::min(options.maxChecks, kMaxChecks);
+  return options;
+}
+
 /// What stands at some stage between the first field and the last.
 struct Stage {
   VectorField field;
@@ -89,9 +94,7 @@ std::vector<Interval> directPairs(const Stage& stage) {
 class Steps {
  public:
   Steps(const EditTask& task, const Interval& interval, const ConleyIndex& index)
-      : task_(task), interval_(interval), wanted_(fewestContents(index)), options_(task.options) {
-    options_.maxChecks = std::min(options_.maxChecks, kMaxChecks);
-  }
+      : task_(task), interval_(interval), wanted_(fewestContents(index)), options_(ofOneStep(task.options)) {}
 
   bool cancelPairs(const Stage& stage, EditResult& result) {
     for (const Interval& pair : directPairs(stage)) {
@@ -134,7 +137,7 @@ class Steps {
   const EditTask& task_;
   const Interval& interval_;
   const Contents wanted_;
-  CancelOptions options_;
+  const CancelOptions options_;
   int tries_ = 0;
 };
 
@@ -173,6 +176,7 @@ bool cancelAfterMove(const EditTask& task, const Interval& interval, const Conle
   const TriangleMesh& mesh = task.field.mesh();
   const Separatrix& separatrix = task.topology.separatrices[interval.separatrices.front()];
   const EntityRef saddle{EntityKind::FixedPoint, separatrix.saddle};
+  const CancelOptions options = ofOneStep(task.options);
   const std::vector<SurfacePoint> back(separatrix.points.rbegin(), separatrix.points.rend());
   for (const double near : kNear) {
     const double distance = near * mesh.meanEdgeLength();
@@ -181,8 +185,7 @@ bool cancelAfterMove(const EditTask& task, const Interval& interval, const Conle
       if (moved.kind != EntityKind::FixedPoint) continue;
       const auto target = pointNear(mesh, task.topology, other, moveSaddle ? separatrix.points : back, distance);
       if (!target) continue;
-      EditResult edit =
-          movePoint(task.faces, task.field, task.topology, moved.index, *target, task.options, task.progress);
+      EditResult edit = movePoint(task.faces, task.field, task.topology, moved.index, *target, options, task.progress);
       if (!edit.applied) continue;
       const Stage next = after(firstStage(task, interval), std::move(edit), {moved, moved, {}, {}});
       if (Steps(task, interval, index).cancelMoved(next, result)) return true;

@@ -54,6 +54,29 @@ inline Contents contentsOf(const Topology& topology, const std::vector<EntityRef
   return contents;
 }
 
+/// Of the thirteen of the thesis (figures 4.1, 4.2): D1 to D6, I1 to I7. Source and sink without a saddle are none of
+/// them.
+inline std::string cancellationCase(const Topology& topology, const Interval& interval) {
+  const auto isOrbit = [](const EntityRef& e) { return e.kind == EntityKind::PeriodicOrbit; };
+  const auto isSaddle = [&](const EntityRef& e) {
+    return !isOrbit(e) && topology.fixedPoints[e.index].kind == FixedPointKind::Saddle;
+  };
+  const int orbits = static_cast<int>(isOrbit(interval.repeller)) + static_cast<int>(isOrbit(interval.attractor));
+  const bool toSaddle = isSaddle(interval.repeller) || isSaddle(interval.attractor);
+  if (interval.saddles.empty()) {
+    const bool once = interval.separatrices.size() == 1;
+    if (toSaddle) return orbits == 0 ? (once ? "D1" : "D5") : (once ? "D4" : "D6");
+    return orbits == 2 ? "D3" : orbits == 1 ? "D2" : "node and node";
+  }
+  const bool two = interval.saddles.size() == 2;
+  if (orbits == 0) return two ? "I1" : "I2";
+  if (orbits == 2) return two ? "I6" : "I7";
+  if (two) return "I3";
+  const auto toOrbit = std::count_if(interval.separatrices.begin(), interval.separatrices.end(),
+                                     [&](Index s) { return isOrbit(topology.separatrices[s].end); });
+  return toOrbit == 2 ? "I5" : "I4";
+}
+
 /// Every pair that is linked, and every repeller and attractor with a saddle between them.
 inline std::vector<std::pair<EntityRef, EntityRef>> pairsOf(const Topology& topology) {
   std::vector<std::pair<EntityRef, EntityRef>> pairs;
