@@ -221,7 +221,7 @@ def _movement(before: History, edit: Edit) -> Plan:
     if not len(inside):
         raise InputError("no sample of λ lies within the reach; give a larger one")
     window = _window(lambdas, (lambdas > first) & (lambdas < last))
-    a, b = int(np.searchsorted(lambdas, window[0])), int(np.searchsorted(lambdas, window[1]))
+    a, b = (int(np.searchsorted(lambdas, end)) for end in window)
 
     def fill(faces: np.ndarray, correction: np.ndarray) -> np.ndarray:
         result = values.copy()
@@ -238,8 +238,8 @@ def _movement(before: History, edit: Edit) -> Plan:
             ]
             weights = inner_weights(mesh, faces, core, 3.0 * float(np.linalg.norm(offset)))
             over = fade(lambdas, to_lam, to_lam, reach)
-            for j in np.flatnonzero(over):
-                result[j] = shifted(mesh, result[j], faces, over[j] * weights, offset + correction[1:])
+            for near in map(int, np.flatnonzero(over)):
+                result[near] = shifted(mesh, result[near], faces, over[near] * weights, offset + correction[1:])
         return result
 
     changed = Changed(event.paths, (number,), paths_left=2, bifurcations_left=1)
