@@ -369,3 +369,16 @@ def test_kinds_differ_in_shape_and_colour():
 
     looks = {markers.triangles(kind)[1].tobytes() + markers.triangles(kind)[0].tobytes() for kind in markers.NAMES}
     assert len(looks) == len(markers.NAMES)
+
+
+def test_what_is_nearer_than_the_clipping_plane_asks_for_no_strokes():
+    """A place right before the eye would ask for finer and finer levels, and the view would stand still."""
+    from stormfield.ui.stroke_view import View
+
+    near, far = 0.1, 100.0
+    depth = [0.0, 0.0, -(far + near) / (far - near), -2.0 * far * near / (far - near)]
+    projection = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], depth, [0.0, 0.0, -1.0, 0.0]])
+    view = View(projection, (800.0, 600.0), 300.0, np.array([0.0, 0.0, 0.0, 1.0]))
+    pixels, inside = view.pixels_per_unit(np.array([(0.0, 0.0, -1e-7), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)]))
+    assert inside.tolist() == [False, True, False]
+    assert pixels.max() == pytest.approx(300.0)
