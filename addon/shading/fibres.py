@@ -22,7 +22,7 @@ COLOURS = ((0.0, "#1d0f08"), (0.3, "#5a3015"), (0.55, "#a8672c"), (0.8, "#dfae68
 def fibres_group(tree: Tree) -> None:
     add_input(tree, "Scale", 6.0, 0, 1000, "Length of a fibre: fibres per unit of length")
     add_input(tree, "Strands", 5.0, 0, 100, "Fibres side by side in their length")
-    add_input(tree, "Order", 0.95, 0, 1, "How strictly fibres follow the orientation field: 0 not at all, 1 exactly")
+    add_input(tree, "Order", 1.0, 0, 1, "How strictly fibres follow the orientation field: 0 not at all, 1 exactly")
     add_input(tree, "Fine", 0.5, 0, 2, "Contrast of the finest fibres relative to the coarse ones")
     given = group_inputs(tree)
     carried, turned = tree.group(advected_coordinates()), tree.group(direction())
@@ -39,15 +39,17 @@ def fibres_group(tree: Tree) -> None:
             - 0.5
         )
 
-    value = strands(1.0) + strands(2.7) * given["Fine"]
-    set_outputs(tree, value=(value * CONTRAST + 0.5).clamped())
+    coarse = strands(1.0)
+    value = coarse + strands(2.7) * given["Fine"]
+    set_outputs(tree, value=(value * CONTRAST + 0.5).clamped(), height=coarse)
 
 
 def fibres(**settings: float) -> bpy.types.Material:
     """Settings are the inputs of the group in lower case: scale, strands, order, fine."""
     material, tree = new_material("Fibres")
-    value = tree.group(fibres_group(), **settings)["Value"]
-    surface = tree.principled(base_color=tree.color_ramp(value, COLOURS), roughness=0.45)
-    tree.bump(value, surface, distance=0.01)
+    found = tree.group(fibres_group(), **settings)
+    surface = tree.principled(base_color=tree.color_ramp(found["Value"], COLOURS), roughness=0.45)
+    # Of the coarse strands alone: a relief asks for them three times.
+    tree.bump(found["Height"], surface, distance=0.015)
     tree.surface(surface)
     return material
