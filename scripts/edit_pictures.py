@@ -72,7 +72,7 @@ def draw(axis, flow: Flow, view: View, density: float, faces: np.ndarray | None 
 
 def save(figure: Figure, name: str, dpi: int = 110) -> None:
     TARGET.mkdir(parents=True, exist_ok=True)
-    figure.savefig(TARGET / f"{name}.png", dpi=dpi)
+    figure.savefig(TARGET / f"{name}.png", dpi=dpi, bbox_inches="tight")
     print(TARGET / f"{name}.png", flush=True)
 
 

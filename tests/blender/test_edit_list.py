@@ -335,3 +335,36 @@ def test_a_cache_that_cannot_be_written_changes_nothing(pair, monkeypatch):
     with pytest.raises(RuntimeError, match="Permission denied"):
         bpy.ops.stormfield.cancel_pair()
     assert vectors(pair) == before and not pair.stormfield.edits and kinds(pair) == AS_SOLVED
+
+
+EDITS = ("cancel_pair", "cancel_weakest", "simplify", "move_point", "smooth_region", "transform_field", "apply_edits")
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_objects_without_a_field_are_refused_in_words(name):
+    bpy.ops.mesh.primitive_cube_add()
+    for _ in range(2):
+        with pytest.raises(RuntimeError, match="Select a mesh with a Stormfield field"):
+            getattr(bpy.ops.stormfield, name)()
+        bpy.ops.object.camera_add()
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_a_field_that_is_not_there_yet_is_refused_in_words(ball, name):
+    with pytest.raises(RuntimeError) as refusal:
+        getattr(bpy.ops.stormfield, name)()
+    assert "first" in str(refusal.value).lower() or "Solve applies" in str(refusal.value)
+
+
+def test_undo_gives_a_given_field_back(given):
+    select(given, SADDLE, EAST)
+    before = vectors(given)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.stormfield.cancel_pair()
+    bpy.ops.ed.undo_push(message="after")
+    edited = vectors(given)
+    bpy.ops.ed.undo()
+    ball = bpy.data.objects["Ball"]
+    assert vectors(ball) == before and kinds(ball) == AS_SOLVED and not ball.stormfield.edits
+    select(ball, SADDLE, EAST)
+    assert bpy.ops.stormfield.cancel_pair() == {"FINISHED"} and vectors(ball) == edited
