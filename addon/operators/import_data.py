@@ -15,6 +15,7 @@ from ..model.errors import InputError, MissingPackageError
 from ..model.mesh_data import MeshData
 from ..model.polygons import Polygons
 from ..readers import Choice, FieldData, SceneScale, series_steps
+from ..readers.coasts import Boundary
 from ..scene.read import folders
 from ..scene.write import attach, imported
 from ..scene.write.lambda_keys import key_lambda_over_scene
@@ -114,7 +115,7 @@ class STORMFIELD_OT_import_data(JobOperator, bpy.types.Operator, ImportHelper):
             attach.attach_lambda(obj, made.folder)
             words = f"'{obj.name}' shows the λ cache in {made.folder}"
         else:
-            obj = imported.add_object(context, made.name, made.mesh, made.data)
+            obj = imported.add_object(context, made.name, made.mesh, made.boundary)
             attach.show_solved(obj, made.folder)
             imported.remember(obj, made.data)
             words = f"{made.data.read.line()}; {made.scale.words}"
@@ -131,6 +132,8 @@ class STORMFIELD_OT_import_data(JobOperator, bpy.types.Operator, ImportHelper):
         choice = self._choice()
         data = yield from scaled(_read(path, choice), 0.0, READ)
         scale = SceneScale.of(data, self.radius, seconds)
+        yield Step(READ, "Finding coasts")
+        boundary = imported.boundary_of_globe(data)
         name, mesh = imported.free_name(path.stem), imported.scene_mesh(data, scale)
         stat = path.stat()
         origin = {
@@ -143,7 +146,7 @@ class STORMFIELD_OT_import_data(JobOperator, bpy.types.Operator, ImportHelper):
         vectors = (scale.speeds * values for values in data.vectors)
         given = GivenField(tuple(data.lambdas.tolist()), vectors, origin)
         steps = given_steps(mesh, given, folders.root_of_new(name), Polygons.of_triangles(mesh.triangles))
-        return _Imported(name, data, scale, mesh, (yield from scaled(steps, READ, 1.0)))
+        return _Imported(name, data, scale, mesh, boundary, (yield from scaled(steps, READ, 1.0)))
 
     def _choice(self) -> Choice:
         return Choice(
@@ -163,6 +166,7 @@ class _Imported:
     data: FieldData
     scale: SceneScale
     mesh: MeshData
+    boundary: Boundary
     folder: Path
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Protocol, overload
 
@@ -42,13 +42,15 @@ class Samples(Protocol):
 @dataclass(frozen=True, eq=False)
 class FieldData:
     """vectors (s, n, 3) float64 in space, one per sample and vertex, in memory or read one after another; lambdas (s,)
-    increasing in 0..1; read says where they come from; geography, where on the earth and when."""
+    increasing in 0..1; read says where they come from; geography, where on the earth and when. whole: makes the mesh as
+    it would be if no value were missing, where some are."""
 
     mesh: MeshData
     lambdas: np.ndarray
     vectors: Samples
     read: Reading = field(default_factory=Reading)
     geography: Geography | None = None
+    whole: Callable[[], MeshData] | None = None
 
     def __post_init__(self) -> None:
         wanted, where = (len(self.lambdas), len(self.mesh.vertices), 3), self.read.name()

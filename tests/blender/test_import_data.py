@@ -82,6 +82,22 @@ def test_coasts_are_a_curve_and_the_ground_is_seen(native, wind):
     assert np.allclose(np.linalg.norm(places(obj), axis=1), 2.0, atol=1e-5)
 
 
+def test_a_region_has_its_border_apart_from_its_coasts(native, tmp_path):
+    xarray = pytest.importorskip("xarray")
+    latitude, longitude = np.arange(0.0, 31.0, 2.0), np.arange(270.0, 311.0, 2.0)
+    u = np.ones((len(latitude), len(longitude)))
+    u[5:9, 8:12] = np.nan
+    dims = ("latitude", "longitude")
+    data = xarray.Dataset(
+        {n: (dims, u, {"units": "m s-1"}) for n in ("u10", "v10")}, {"latitude": latitude, "longitude": longitude}
+    )
+    data.to_netcdf(tmp_path / "gulf.nc")
+    assert bpy.ops.stormfield.import_data(filepath=str(tmp_path / "gulf.nc")) == {"FINISHED"}
+    children = {child.name: child for child in bpy.context.object.children}
+    assert children.keys() == {"gulf Coasts", "gulf Border", "gulf Ground"}
+    assert all(len(children[f"gulf {what}"].data.splines) == 1 for what in ("Coasts", "Border"))
+
+
 def test_times_are_chosen_and_one_time_is_still(native, wind):
     path = wind()
     assert bpy.ops.stormfield.import_data(filepath=path, first="2018-10-06T12") == {"FINISHED"}

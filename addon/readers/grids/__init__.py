@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -60,16 +60,14 @@ def grid_steps(path: Path, choice: Choice) -> Steps[FieldData]:
         raise InputError(f"{where}: {_labels(times, found.empty)} without any value; leave out with --times")
     yield Step(SCANNED, "Making the mesh")
     surface = _surface(grid, found, choice, where)
-    mesh = surface.mesh
-    if surface.spherical:
-        mesh = MeshData(mesh.vertices * choice.radius_km * 1000.0, mesh.triangles)
     numbers = times.numbers if times.numbers is not None else np.arange(len(chosen), dtype=np.float64)
     return FieldData(
-        mesh,
+        _sized(surface, choice),
         lambdas_of(numbers, where),
         GridSamples(found.samples, surface),
         _reading(path, said, selection, times, surface, found, choice),
         Geography(surface.spherical, times.numbers, times.unit, times.calendar if times.dates else ""),
+        None if found.valid.all() else functools.partial(_whole_mesh, grid, found, choice, where),
     )
 
 
@@ -89,6 +87,19 @@ def read_grid_mesh(path: Path) -> tuple[MeshData, Reading]:
     found = run(scan(Components(opened, pair, grid.dims, first, None, np.zeros(1, np.int64), said.speed, where)))
     surface = _surface(grid, found, Choice(), where)
     return surface.mesh, Reading(tuple(map(str, files_of(path))), choices=said.choices)
+
+
+def _sized(surface: Surface, choice: Choice) -> MeshData:
+    """In metres where it is on a sphere."""
+    mesh = surface.mesh
+    return MeshData(mesh.vertices * choice.radius_km * 1000.0, mesh.triangles) if surface.spherical else mesh
+
+
+def _whole_mesh(grid: Grid, found: Scan, choice: Choice, where: str) -> MeshData:
+    """The mesh of the grid with a value everywhere."""
+    u, v = (np.nan_to_num(values) for values in found.first)
+    complete = replace(found, first=(u, v), valid=np.ones_like(found.valid))
+    return _sized(_surface(grid, complete, choice, where), choice)
 
 
 def _surface(grid: Grid, found: Scan, choice: Choice, where: str) -> Surface:

@@ -11,6 +11,7 @@ import numpy as np
 from ...cache.field_cache import FieldCache
 from ...model.mesh_data import MeshData
 from ...readers import FieldData, SceneScale
+from ...readers.coasts import Boundary, Line, boundary_lines
 
 #: Radius of the ground below a globe with coasts, and of their curve, over that of the globe.
 GROUND, COAST = 0.998, 1.001
@@ -29,13 +30,23 @@ def scene_mesh(data: FieldData, scale: SceneScale) -> MeshData:
     return MeshData((scale.lengths * data.mesh.vertices).astype(np.float32), data.mesh.triangles)
 
 
-def add_object(context: bpy.types.Context, name: str, mesh: MeshData, data: FieldData) -> bpy.types.Object:
-    """mesh: of scene_mesh(). Active and selected, with its coasts where a globe has some."""
+def boundary_of_globe(data: FieldData) -> Boundary:
+    """Coasts and border of data on a sphere; nothing of others."""
+    if data.geography is None or not data.geography.spherical:
+        return Boundary([], [])
+    return boundary_lines(data.mesh, None if data.whole is None else data.whole())
+
+
+def add_object(context: bpy.types.Context, name: str, mesh: MeshData, boundary: Boundary) -> bpy.types.Object:
+    """mesh: of scene_mesh(). Active and selected. A globe that does not cover all has its coasts and the border of the
+    data as curves, and the ground below it: children of the object."""
     obj = _add_mesh(context, name, mesh)
-    if data.geography is not None and data.geography.spherical:
-        loops = boundary_loops(mesh.triangles)
-        if loops:
-            _add_coasts(obj, mesh.vertices, loops)
+    radius = float(np.linalg.norm(mesh.vertices[0]))
+    for what, lines in (("Coasts", boundary.coasts), ("Border", boundary.border)):
+        if lines:
+            _add_child(obj, _curve(f"{obj.name} {what}", mesh.vertices, lines, radius))
+    if boundary.coasts or boundary.border:
+        _add_child(obj, _ground(f"{obj.name} Ground", GROUND * radius))
     return obj
 
 
@@ -50,23 +61,6 @@ def remember(obj: bpy.types.Object, data: FieldData) -> None:
     times = None if data.geography is None else data.geography.times([0.0, 1.0])
     if times is not None:
         obj["stormfield_times"] = [str(time) for time in times]
-
-
-def boundary_loops(triangles: np.ndarray) -> list[np.ndarray]:
-    """Vertices of every boundary loop of an oriented mesh, in order."""
-    start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    count = int(triangles.max()) + 1
-    back = np.isin(start.astype(np.int64) * count + end, end.astype(np.int64) * count + start)
-    after = dict(zip(start[~back].tolist(), end[~back].tolist(), strict=True))
-    loops = []
-    while after:
-        first, vertex = after.popitem()
-        loop = [first]
-        while vertex != first:
-            loop.append(vertex)
-            vertex = after.pop(vertex)
-        loops.append(np.array(loop))
-    return loops
 
 
 def _add_mesh(context: bpy.types.Context, name: str, data: MeshData) -> bpy.types.Object:
@@ -88,33 +82,34 @@ def _add_mesh(context: bpy.types.Context, name: str, data: MeshData) -> bpy.type
     return obj
 
 
-def _add_coasts(obj: bpy.types.Object, vertices: np.ndarray, loops: list[np.ndarray]) -> None:
-    """The border of the data as one curve, and the ground below it: children of the object."""
-    curve = bpy.data.curves.new(f"{obj.name} Coasts", "CURVE")
+def _curve(name: str, vertices: np.ndarray, lines: list[Line], radius: float) -> bpy.types.Curve:
+    curve = bpy.data.curves.new(name, "CURVE")
     curve.dimensions = "3D"
-    for loop in loops:
+    for line in lines:
         spline = curve.splines.new("POLY")
-        spline.points.add(len(loop) - 1)
-        places = np.column_stack([COAST * vertices[loop], np.ones(len(loop))])
+        spline.points.add(len(line.vertices) - 1)
+        places = np.column_stack([COAST * vertices[line.vertices], np.ones(len(line.vertices))])
         spline.points.foreach_set("co", places.ravel().astype(np.float32))
-        spline.use_cyclic_u = True
-    radius = float(np.linalg.norm(vertices[0]))
+        spline.use_cyclic_u = line.closed
     curve.bevel_depth = 0.0015 * radius
-    ground = bpy.data.meshes.new(f"{obj.name} Ground")
-    _fill_sphere(ground, GROUND * radius)
-    for data in (curve, ground):
-        child = bpy.data.objects.new(data.name, data)
-        child.parent = obj
-        child.hide_select = True
-        for collection in obj.users_collection:
-            collection.objects.link(child)
+    return curve
 
 
-def _fill_sphere(mesh: bpy.types.Mesh, radius: float) -> None:
+def _ground(name: str, radius: float) -> bpy.types.Mesh:
     import bmesh
 
+    mesh = bpy.data.meshes.new(name)
     shape = bmesh.new()
     bmesh.ops.create_icosphere(shape, subdivisions=5, radius=radius)
     shape.to_mesh(mesh)
     shape.free()
     mesh.shade_smooth()
+    return mesh
+
+
+def _add_child(obj: bpy.types.Object, data: bpy.types.ID) -> None:
+    child = bpy.data.objects.new(data.name, data)
+    child.parent = obj
+    child.hide_select = True
+    for collection in obj.users_collection:
+        collection.objects.link(child)
