@@ -3,6 +3,7 @@
 #include "edit/detail/cancel_search.h"
 #include "edit/detail/cancel_steps.h"
 #include "edit/detail/interval_index.h"
+#include "edit/entity_names.h"
 
 namespace stormfield {
 
@@ -24,6 +25,7 @@ EditResult cancelPair(const FlatFaces& faces, const VectorField& field, const To
   EditResult result;
   result.field = field;
   try {
+    requireFinite(field);
     const EditTask task{faces, field, topology, options, progress};
     const Interval interval = findInterval(topology, field.mesh(), a, b);
     const ConleyIndex index = intervalIndex(topology, interval);

@@ -1,8 +1,18 @@
 #include "edit/entity_names.h"
 
+#include <cmath>
+
+#include "base/error.h"
 #include "base/message.h"
 
 namespace stormfield {
+
+void requireFinite(const VectorField& field) {
+  for (std::size_t v = 0; v < field.values.size(); ++v) {
+    if (std::isfinite(field.values[v].real()) && std::isfinite(field.values[v].imag())) continue;
+    throw InputError(message("the vector of vertex ", v, " is not finite; replace it first"));
+  }
+}
 
 void requireEntity(const Topology& topology, const EntityRef& entity) {
   const std::size_t count = entity.kind == EntityKind::FixedPoint      ? topology.fixedPoints.size()

@@ -9,6 +9,8 @@
 
 namespace stormfield {
 
+/// Throws InputError for a vector that is not finite.
+void requireFinite(const VectorField& field);
 /// Throws InputError where the topology has no such fixed point or periodic orbit.
 void requireEntity(const Topology& topology, const EntityRef& entity);
 /// A fixed point's position, or that of the first point of an orbit.

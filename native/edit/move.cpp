@@ -199,11 +199,16 @@ EditResult movePoint(const FlatFaces& faces, const VectorField& field, const Top
                      const SurfacePoint& target, const CancelOptions& options, Progress* progress) {
   EditResult result;
   result.field = field;
-  result.reason = fault(field.mesh(), topology, point, target);
-  if (result.reason.empty()) {
-    MoveSearch search(faces, field, topology, point, target, options, progress);
-    search.run(result);
-    if (!result.applied) result.reason = search.reason();
+  try {
+    requireFinite(field);
+    result.reason = fault(field.mesh(), topology, point, target);
+    if (result.reason.empty()) {
+      MoveSearch search(faces, field, topology, point, target, options, progress);
+      search.run(result);
+      if (!result.applied) result.reason = search.reason();
+    }
+  } catch (const InputError& problem) {
+    result.reason = problem.what();
   }
   if (!result.applied) result.topology = topology;
   return result;

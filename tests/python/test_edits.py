@@ -109,6 +109,14 @@ def test_a_pair_is_cancelled_at_its_sample_and_fades_over_the_reach(surface):
     assert (changes[:, outside] == 0).all()
 
 
+def test_a_reach_beyond_the_ends_of_lambda_changes_what_is_there(surface):
+    field = over_lambda(surface)
+    edited = finish(edit_steps(field, edits({**CANCEL, "lam": 0.0, "reach": 1.0})))
+    assert edited.reports[0].status == "applied", edited.reports[0].reason
+    changed = np.abs(np.asarray(edited.field.values) - np.asarray(field.values)).max(axis=1)
+    assert (np.diff(changed) < 0).all() and changed[-1] < 1e-12
+
+
 def test_moving_and_smoothing(surface):
     field = over_lambda(surface, 1)
     move = {"type": "move", "entity": SINK, "to": [0.35, 0.2, 0.0]}
