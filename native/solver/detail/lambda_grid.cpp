@@ -5,6 +5,7 @@
 namespace stormfield {
 
 using kernels::load;
+using kernels::shuffled;
 using kernels::store;
 using kernels::Vector;
 
@@ -35,9 +36,9 @@ void restrictLambda(const float* fine, Index fineSamples, float* coarse) {
   Vector before = {};  // the samples between those of the vector before
   for (Index c = 0; c < samples; c += 2) {
     const Vector first = load(fine + 4 * c), second = load(fine + 4 * c + 4);
-    const Vector kept = __builtin_shufflevector(first, second, 0, 1, 4, 5);
-    const Vector between = __builtin_shufflevector(first, second, 2, 3, 6, 7);
-    store(coarse + 2 * c, kept + 0.5f * (__builtin_shufflevector(before, between, 2, 3, 4, 5) + between));
+    const Vector kept = shuffled<0, 1, 4, 5>(first, second);
+    const Vector between = shuffled<2, 3, 6, 7>(first, second);
+    store(coarse + 2 * c, kept + 0.5f * (shuffled<2, 3, 4, 5>(before, between) + between));
     before = between;
   }
   for (Index k = 0; k < 2; ++k) {
@@ -52,9 +53,9 @@ void addProlongedLambda(const float* coarse, Index fineSamples, float* fine) {
   for (Index c = 0; c < samples; c += 2) {
     const Vector kept = next;
     next = c + 2 < samples ? load(coarse + 2 * c + 4) : Vector{};
-    const Vector between = 0.5f * (kept + __builtin_shufflevector(kept, next, 2, 3, 4, 5));
-    store(fine + 4 * c, load(fine + 4 * c) + __builtin_shufflevector(kept, between, 0, 1, 4, 5));
-    store(fine + 4 * c + 4, load(fine + 4 * c + 4) + __builtin_shufflevector(kept, between, 2, 3, 6, 7));
+    const Vector between = 0.5f * (kept + shuffled<2, 3, 4, 5>(kept, next));
+    store(fine + 4 * c, load(fine + 4 * c) + shuffled<0, 1, 4, 5>(kept, between));
+    store(fine + 4 * c + 4, load(fine + 4 * c + 4) + shuffled<2, 3, 6, 7>(kept, between));
   }
   for (Index k = 0; k < 2; ++k) {
     if (fineSamples % 2 == 0) {

@@ -47,7 +47,7 @@ inline void loadTwice(const float* p, Vector& v) {
   std::memcpy(&both, p, sizeof both);
   const VectorOf<16, double> pair = {both, 0.0};
   std::memcpy(&v, &pair, sizeof v);
-  v = __builtin_shufflevector(v, v, 0, 0, 1, 1);
+  v = shuffled<0, 0, 1, 1>(v, v);
 }
 
 /// The same for two lines at once. y: 4 floats per sample, the values of both lines; inverse: 2 per sample.

@@ -60,8 +60,8 @@ class Relaxation {
     for (std::size_t k = 0; k < stride_; k += 4) {
       const Vector a = kernels::load(first_.data() + k);
       const Vector b = kernels::load(second_.data() + k);
-      kernels::store(both_.data() + 2 * k, __builtin_shufflevector(a, b, 0, 1, 4, 5));
-      kernels::store(both_.data() + 2 * k + 4, __builtin_shufflevector(a, b, 2, 3, 6, 7));
+      kernels::store(both_.data() + 2 * k, kernels::shuffled<0, 1, 4, 5>(a, b));
+      kernels::store(both_.data() + 2 * k + 4, kernels::shuffled<2, 3, 6, 7>(a, b));
     }
     const Index samples = level_.lambda.samples();
     kernels::solveTwoLines(inverse_ + static_cast<std::size_t>(row) * samples, level_.lambdaCoupling[row],
@@ -70,8 +70,8 @@ class Relaxation {
     for (std::size_t k = 0; k < stride_; k += 4) {
       const Vector low = kernels::load(both_.data() + 2 * k);
       const Vector high = kernels::load(both_.data() + 2 * k + 4);
-      kernels::store(own + k, __builtin_shufflevector(low, high, 0, 1, 4, 5));
-      kernels::store(own + stride_ + k, __builtin_shufflevector(low, high, 2, 3, 6, 7));
+      kernels::store(own + k, kernels::shuffled<0, 1, 4, 5>(low, high));
+      kernels::store(own + stride_ + k, kernels::shuffled<2, 3, 6, 7>(low, high));
     }
   }
 
