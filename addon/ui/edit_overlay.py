@@ -27,9 +27,11 @@ def forget() -> None:
 
 def draw(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types.Object) -> None:
     """The caller has set blending and depth test."""
+    ghost, analysis = edit_ghost.of(obj), obj.stormfield.analysis
+    if ghost is None and not (analysis.show and analysis.ecg.made):
+        return
     surface, mesh = drawing_cache.surface_of(evaluated)
     unit = context.preferences.system.ui_scale
-    ghost = edit_ghost.of(obj)
     marks: list[Marker] = []
     if ghost is not None:
         colour = OPEN if ghost.allowed is None else ALLOWED if ghost.allowed else REFUSED
@@ -39,14 +41,15 @@ def draw(context: bpy.types.Context, obj: bpy.types.Object, evaluated: bpy.types
             place = lift(ghost.place[None], surface, mesh)[0][0]
             around = {True: "glow", False: "cross", None: "ring"}[ghost.allowed]
             marks += [Marker(ghost.kind, place, 1.1), Marker(around, place)]
-    elif obj.stormfield.analysis.show:
+    else:
         marks += _previewed(context, obj, evaluated, surface, mesh, unit)
     marker_drawing.draw(context, evaluated.matrix_world, marks)
 
 
 def _previewed(context, obj, evaluated, surface: Surface, mesh, unit: float) -> list[Marker]:
     drawing = analysis_drawing.drawing_of(evaluated)
-    if drawing is None or obj.stormfield.analysis.shown != "ecg":
+    analysis = obj.stormfield.analysis
+    if drawing is None or analysis.shown != "ecg" or not analysis_drawing.is_current(obj, analysis.ecg):
         return []
     partners, simpler = edit_preview.partners(obj), edit_preview.simpler(obj)
     chosen, active = picked(obj), obj.stormfield.analysis.ecg.active

@@ -11,7 +11,6 @@ import numpy as np
 from bpy_extras import view3d_utils
 from mathutils import Vector
 
-from ..operators.edit_choice import why_not_move
 from ..scene.read import results
 from ..scene.read.active_field import active_field
 from . import analysis_drawing, analysis_overlay, element_drawing, legend, marker_drawing, motion
@@ -137,7 +136,7 @@ class STORMFIELD_GT_entities(bpy.types.Gizmo):
         if hit is None:
             return {"PASS_THROUGH"}
         bpy.ops.stormfield.select_entity("INVOKE_DEFAULT", which=hit[0], index=hit[1], extend=event.shift)
-        if hit[0] != "ecg" or event.shift or why_not_move(active_field(context)):
+        if hit[0] != "ecg" or event.shift or not bpy.ops.stormfield.move_point.poll():
             return {"FINISHED"}
         self.pressed = event.mouse_region_x, event.mouse_region_y
         return {"RUNNING_MODAL"}
