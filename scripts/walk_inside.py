@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 FOLDER = Path(os.environ["STORMFIELD_WALK"])
 #: Seconds between two looks for a question.
 TICK = 0.03
-_asked = _drawn = 0
+_asked = _drawn = _rendered = 0
 
 
 def view():
@@ -78,6 +78,16 @@ def count_drawing():
     _drawn += 1
 
 
+def rendered():
+    """How many renders have ended."""
+    return _rendered
+
+
+def count_rendering(*_):
+    global _rendered
+    _rendered += 1
+
+
 def busy():
     """Whether shaders are compiled."""
     return bpy.app.is_job_running("SHADER_COMPILATION")
@@ -92,7 +102,7 @@ def answer_questions():
     question = FOLDER / f"{_asked}.py"
     if not question.is_file():
         return TICK
-    helpers = (view, box, area_box, under_pointer, on_screen, drawn, busy, playing)
+    helpers = (view, box, area_box, under_pointer, on_screen, drawn, rendered, busy, playing)
     known = {"bpy": bpy, "sys": sys, **{helper.__name__: helper for helper in helpers}}
     try:
         exec(compile(question.read_text(encoding="utf-8"), question.name, "exec"), known)
@@ -112,6 +122,7 @@ def main():
     import window_shot
 
     window_shot.load_addon()
+    bpy.app.handlers.render_complete.append(count_rendering)
     bpy.types.SpaceView3D.draw_handler_add(count_drawing, (), "WINDOW", "POST_PIXEL")
     bpy.context.preferences.view.show_splash = False
     bpy.app.timers.register(answer_questions, first_interval=1.0, persistent=True)

@@ -34,6 +34,13 @@ def difference(one: Path, other: Path) -> float:
     return float(done.stderr.split()[0]) / (width * height)
 
 
+def colours(picture: Path) -> list[str]:
+    told = subprocess.run(
+        ["convert", str(picture), "-unique-colors", "txt:-"], capture_output=True, text=True, check=True
+    )
+    return told.stdout.splitlines()[1:]
+
+
 def claim(holds: bool, what: str) -> None:
     print(f"  {'holds ' if holds else 'FAILED'}  {what}", flush=True)
     if not holds:
@@ -127,7 +134,7 @@ def own(window: Window) -> dict[str, float]:
 
 
 def finish(window: Window) -> dict[str, float]:
-    """From two storms that merge to a rendered picture: Add → Storm Merge, Bake, Shading, F12; and undo."""
+    """From two storms that merge to a rendered picture: Add → Storm Merge, Bake, Shading, F12."""
     window.over_view()
     window.key("shift+a")
     window.type("storm")
@@ -156,11 +163,12 @@ def finish(window: Window) -> dict[str, float]:
     window.ask("bpy.context.scene.render.resolution_percentage = 25")  # for a machine that draws without a GPU
     window.over_view()
     window.key("F12")
-    window.wait_until("not bpy.app.is_job_running('RENDER') and bpy.data.images['Render Result'].has_data")
-    window.handled()
-    rendered = window.picture("rendered")
+    window.wait_until("rendered() and not bpy.app.is_job_running('RENDER')")
+    saved = window.out / "rendered.png"
+    window.ask(f"bpy.data.images['Render Result'].save_render({str(saved)!r})")
+    window.picture("rendered")
     window.no_traceback()
-    claim(rendered.is_file(), "a picture is rendered")
+    claim(len(colours(saved)) > 100, f"a picture is rendered, of {len(colours(saved))} colours")
     seconds = time.monotonic() - began - window.spent
     return {"actions": window.actions, "seconds": round(seconds, 1)}
 
