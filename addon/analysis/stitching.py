@@ -23,7 +23,7 @@ from ..model.errors import InputError
 from ..model.words import Json
 from .no_field import Region
 from .tracking import Begin, End
-from .windows import COLUMNS, common_region
+from .windows import COLUMNS, NONE, common_region, words_of
 
 Named = tuple[str, Json]
 Event = dict[str, Json]
@@ -115,7 +115,7 @@ class _Path:
             faces=samples["faces"],
             barycentric=samples["barycentric"],
             positions=samples["positions"],
-            kinds=samples["kinds"].tolist(),
+            kinds=words_of(samples["kinds"]),
         )
 
 
@@ -222,8 +222,7 @@ def _spliced(paths: list[_Path], events: list[Event]) -> tuple[list[_Path], list
 
 def _reversed(pieces: Sequence[Json]) -> list[Json]:
     """The way back along a path without life, of the opposite index, which says nothing of stability."""
-    nothing: Json = {"lambdas": [], "faces": [], "barycentric": [], "positions": []}
-    margins = {"first": 0, "last": 0, "first_certain": 0, "last_certain": 0, "before": nothing, "after": nothing}
+    margins = {"first": 0, "last": 0, "first_certain": 0, "last_certain": 0, "before": NONE, "after": NONE}
     return [{**piece, **{key: piece[key][::-1] for key in COLUMNS}, "margins": margins} for piece in reversed(pieces)]
 
 

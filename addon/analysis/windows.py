@@ -10,24 +10,26 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from .. import native
-from ..model.words import Json
+from ..model.words import FixedPointKind, Json
 from .no_field import Region, region_without_field
 
 SCHEMA = "stormfield.window/1"
 
 
-#: What each sample of a path has, with its type; kinds are words.
-COLUMNS: Mapping[str, type | str] = {
+#: Kinds of fixed points, which samples have by their place here: a month has tens of millions of samples.
+KINDS = get_args(FixedPointKind)
+#: What each sample of a path has, with its type.
+COLUMNS: Mapping[str, type] = {
     "lambdas": np.float64,
     "faces": np.int32,
     "barycentric": np.float64,
     "positions": np.float64,
-    "kinds": "U10",
+    "kinds": np.uint8,
 }
 
 
@@ -39,7 +41,7 @@ def window_part(
     return {
         "lam": [float(lam) for lam in lambdas],
         "ends": _fingerprints(mesh, tangents),
-        "zero_vectors": [int((sample == 0.0).sum()) for sample in tangents],
+        "zero_vectors": [int(sample.size - np.count_nonzero(sample)) for sample in tangents],
         "still": _still(followed, mesh, tangents),
         "paths": [_path(path) for path in followed.paths],
         "bifurcations": [
@@ -59,7 +61,7 @@ def window_part(
 
 def part_to_json(part: dict[str, Json]) -> dict[str, Json]:
     """The part with plain values alone."""
-    return {**part, "paths": [{**path, **{key: path[key].tolist() for key in COLUMNS}} for path in part["paths"]]}
+    return {**part, "paths": [_plain(path) for path in part["paths"]]}
 
 
 def part_from_json(content: dict[str, Json]) -> dict[str, Json]:
@@ -67,8 +69,21 @@ def part_from_json(content: dict[str, Json]) -> dict[str, Json]:
     return {**content, "paths": [{**path, **_columns(path)} for path in content["paths"]]}
 
 
+def words_of(kinds: np.ndarray) -> list[FixedPointKind]:
+    return [KINDS[kind] for kind in kinds]
+
+
+def _plain(path: dict[str, Json]) -> dict[str, Json]:
+    return {**path, **{key: path[key].tolist() for key in COLUMNS}, "kinds": words_of(path["kinds"])}
+
+
 def _columns(path: dict[str, Json]) -> dict[str, np.ndarray]:
-    return {key: np.asarray(path[key], kind) for key, kind in COLUMNS.items()}
+    numbers = {**path, "kinds": [KINDS.index(kind) for kind in path["kinds"]]}
+    return {key: np.asarray(numbers[key], kind) for key, kind in COLUMNS.items()}
+
+
+#: No changes of stability.
+NONE: Mapping[str, Json] = {"lambdas": [], "faces": [], "barycentric": [], "positions": []}
 
 
 def _fingerprints(mesh: native.TriangleMesh, tangents: np.ndarray) -> list[str]:
@@ -91,7 +106,7 @@ def _path(path: Any) -> dict[str, Json]:
         "end": path.end,
         "strength": path.strength,
         "rotation": path.rotation,
-        **{key: np.asarray(getattr(path, key), kind) for key, kind in COLUMNS.items()},
+        **_columns({key: getattr(path, key) for key in COLUMNS}),
         "margins": {
             **{name: getattr(path.margins, name) for name in ("first", "last", "first_certain", "last_certain")},
             **{name: _changes_json(getattr(path.margins, name)) for name in ("before", "after")},
@@ -99,7 +114,9 @@ def _path(path: Any) -> dict[str, Json]:
     }
 
 
-def _changes_json(changes: Sequence[Any]) -> dict[str, Json]:
+def _changes_json(changes: Sequence[Any]) -> Mapping[str, Json]:
+    if not changes:
+        return NONE  # of nearly all paths: one for all of them
     return {
         "lambdas": [change.lam for change in changes],
         "faces": [change.face for change in changes],
