@@ -22,11 +22,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 ADDON = ROOT / "addon"
 CORE = "stormfield_native"
-#: Bundled as they are on PyPI, with what they need: igraph lays graphs out, click is the command line's, fastjsonschema
-#: checks designs, meshio reads surfaces (rich, for its messages, needs nothing of its own here), cftime knows the
-#: calendars of wind and currents; NETCDF, with what it imports, reads them: netCDF4 would take more than all the rest.
+#: Bundled as they are on PyPI, with what they need: igraph lays graphs out (later ones have twice the size), click is
+#: the command line's, fastjsonschema checks designs, meshio reads surfaces (rich, for its messages, needs nothing of
+#: its own here), cftime knows the calendars of wind and currents; NETCDF, with what it imports, reads them: netCDF4
+#: would take more than all the rest.
 LIBRARIES = (
-    *("igraph==1.0.0", "texttable==1.7.0", "click==8.5.1", "fastjsonschema==2.22.3", "meshio==5.3.5", "rich==15.0.0"),
+    *("igraph==0.11.8", "texttable==1.7.0", "click==8.5.1", "fastjsonschema==2.22.3", "meshio==5.3.5", "rich==15.0.0"),
     *("cftime==1.6.6.1", "fsspec==2026.9.0", "packaging==26.4"),
 )
 #: The extra of pyproject.toml that names the readers of NetCDF, so that the tests run with what is bundled.
@@ -37,6 +38,8 @@ PLATFORMS = {
     "windows-x64": "win_amd64",
     "macos-arm64": "macosx_11_0_arm64",
 }
+#: Tags of older wheels that serve it as well.
+ALSO = {"linux-x64": ("manylinux_2_17_x86_64",)}
 
 
 def main() -> None:
@@ -106,7 +109,8 @@ def library_wheels(platform: str, folder: Path) -> list[Path]:
     """The wheels of the libraries for a platform, unmodified, in `folder`; a pure one serves all platforms."""
     with tempfile.TemporaryDirectory() as temporary:
         pip = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:", "-d", temporary]
-        run_quietly([*pip, "--python-version", "3.11", "--platform", PLATFORMS[platform], *libraries()])
+        tags = [word for tag in (PLATFORMS[platform], *ALSO.get(platform, ())) for word in ("--platform", tag)]
+        run_quietly([*pip, "--python-version", "3.11", *tags, *libraries()])
         return [Path(shutil.copy(wheel, folder)) for wheel in sorted(Path(temporary).glob("*.whl"))]
 
 
