@@ -163,7 +163,7 @@ def finish(window: Window) -> dict[str, float]:
     # For a machine that draws without a GPU.
     window.ask("scene = bpy.context.scene; scene.render.resolution_percentage = 25; scene.eevee.taa_render_samples = 4")
     window.over_view()
-    window.key("F12")
+    window.key("96")  # F12 by its keycode: for its name xdotool holds Alt, which renders the sequencer
     window.wait_until("rendered() and not bpy.app.is_job_running('RENDER')")
     saved = window.out / "rendered.png"
     window.ask(f"bpy.data.images['Render Result'].save_render({str(saved)!r})")
