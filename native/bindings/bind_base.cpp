@@ -81,12 +81,12 @@ void bind_base(py::module_& m) {
       .def_property_readonly("cancelled", &Progress::cancelled, "Whether cancel() was called.")
       .def("cancel", &Progress::cancel, "Ask the worker to stop; it raises Cancelled within 0.1 s.");
 
-  py::class_<ThreadLimit>(m, "ThreadLimit", py::module_local(),
-                          "with ThreadLimit(count): the core uses that many threads at most, in all of the process. The\n"
-                          "results are the same for any number. Where limits meet, the smallest counts.")
+  py::class_<ThreadLimit>(
+      m, "ThreadLimit", py::module_local(),
+      "with ThreadLimit(count): the core uses that many threads at most, in all of the process. The\n"
+      "results are the same for any number. Where limits meet, the smallest counts.")
       .def(py::init<int>(), py::arg("count"))
-      .def(
-          "__enter__", [](ThreadLimit& limit) { limit.enter(); })
+      .def("__enter__", [](ThreadLimit& limit) { limit.enter(); })
       .def("__exit__", [](ThreadLimit& limit, const py::args&) { limit.exit(); });
 }
 

@@ -247,7 +247,8 @@ void bind_tracking(py::module_& m) {
   py::class_<Tracking, std::shared_ptr<Tracking>>(m, "Tracking", py::module_local(),
                                                   "The history of a field's fixed points over lambda. Immutable.")
       .def(py::init(&trackingFrom), py::arg("paths"), py::arg("bifurcations"),
-           "From TrackedPaths and the Bifurcations that number them. Raises InputError that names one that does not fit.")
+           "From TrackedPaths and the Bifurcations that number them. Raises InputError that names one that does not "
+           "fit.")
       .def_property_readonly(
           "paths", [](const std::shared_ptr<Tracking>& t) { return views(t); },
           "List of TrackedPath, in the order they begin.")

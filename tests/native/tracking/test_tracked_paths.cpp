@@ -47,9 +47,8 @@ TEST(TrackedPaths, ThePrevailingKindHasTheLongestShareOfLambda) {
 }
 
 TEST(TrackedPaths, ATrackingOfGivenPathsKeepsThemAndFindsTheirKinds) {
-  const Tracking made = makeTracking(
-      {node(), saddle()},
-      {eventOf(BifurcationKind::Creation, 0.2, {0, 1}), eventOf(BifurcationKind::Hopf, 0.4, {0, kNone})});
+  const Tracking made = makeTracking({node(), saddle()}, {eventOf(BifurcationKind::Creation, 0.2, {0, 1}),
+                                                          eventOf(BifurcationKind::Hopf, 0.4, {0, kNone})});
   ASSERT_EQ(made.paths.size(), 2u);
   ASSERT_EQ(made.bifurcations.size(), 2u);
   EXPECT_EQ(made.paths[0].kind, FixedPointKind::Sink);
@@ -60,7 +59,8 @@ TEST(TrackedPaths, ATrackingOfGivenPathsKeepsThemAndFindsTheirKinds) {
 }
 
 TEST(TrackedPaths, PiecesMayShareALambda) {
-  const auto joined = pathOf(1, {{0.2, FixedPointKind::Sink}, {0.5, FixedPointKind::Sink}, {0.5, FixedPointKind::Sink}});
+  const auto joined =
+      pathOf(1, {{0.2, FixedPointKind::Sink}, {0.5, FixedPointKind::Sink}, {0.5, FixedPointKind::Sink}});
   EXPECT_EQ(refusal({joined}), "");
 }
 
@@ -71,7 +71,8 @@ TEST(TrackedPaths, WhatDoesNotFitIsNamed) {
   contains(refusal({node(), pathOf(1, {})}), "path 1 has no samples");
   contains(refusal({pathOf(2, {{0.5, FixedPointKind::Sink}})}), "path 0 has index 2");
   contains(refusal({pathOf(0, {{0.5, FixedPointKind::Sink}})}), "path 0 has index 0");
-  contains(refusal({pathOf(1, {{0.5, FixedPointKind::Sink}, {0.4, FixedPointKind::Sink}})}), "goes back from lambda 0.5");
+  contains(refusal({pathOf(1, {{0.5, FixedPointKind::Sink}, {0.4, FixedPointKind::Sink}})}),
+           "goes back from lambda 0.5");
   const double nothing = std::numeric_limits<double>::quiet_NaN();
   for (const double wrong : {-0.1, 1.1, nothing, std::numeric_limits<double>::infinity()}) {
     contains(refusal({pathOf(1, {{wrong, FixedPointKind::Sink}})}), "path 0 has a sample at lambda");
