@@ -21,7 +21,7 @@ OPERATORS = {
         *("field_from_attribute", "import_data"),
     ),
     "panels/elements": (
-        *("draw_element", "finish_drawing", "add_elements", "place_element"),
+        *("draw_element", "finish_drawing", "add_elements", "place_element", "place_bifurcation"),
         *("remove_element", "move_element", "element_preset", "select_element"),
     ),
     "panels/solve": (

@@ -61,15 +61,15 @@ def _coarse(surface: native.TriangleMesh, design: Design) -> Doubt | None:
     storms = [element for element in design.elements if element.type == "singular"]
     lengths = mean_edge_lengths(np.asarray(surface.vertices), np.asarray(surface.triangles))
     measured = [(storm, _edge_at(surface, lengths, storm)) for storm in storms]
-    doubtful = [(storm, edge) for storm, edge in measured if not _fits(storm.radius, edge, design.settings.edge)]
+    doubtful = [(storm, edge) for storm, edge in measured if not _fits(storm.least_radius, edge, design.settings.edge)]
     if not doubtful:
         return None
-    worst, edge = max(doubtful, key=lambda pair: pair[1] / pair[0].radius)
-    times = math.ceil(math.log2(ENOUGH * edge / worst.radius))
+    worst, edge = max(doubtful, key=lambda pair: pair[1] / pair[0].least_radius)
+    times = math.ceil(math.log2(ENOUGH * edge / worst.least_radius))
     return Doubt(
         "coarse",
-        f"The mesh is too coarse for '{worst.name}': its radius is {worst.radius:.2g}, edges there are {edge:.2g}. "
-        f"Subdivide {times} time{'s' if times != 1 else ''}, or make the radius larger",
+        f"The mesh is too coarse for '{worst.name}': its radius is {worst.least_radius:.2g}, edges there are "
+        f"{edge:.2g}. Subdivide {times} time{'s' if times != 1 else ''}, or make the radius larger",
         times,
     )
 

@@ -16,38 +16,24 @@ from typing import Literal, get_args
 from . import schemas
 from .edits import SCHEMA as EDITS_SCHEMA
 from .edits import Edit, edits_from_json
+from .element_types import BRUSH_MODES, MIRRORED, OVER_LAMBDA, RULES, TYPES, BrushMode, ElementType, Kind
 from .errors import InputError
 from .words import Json
 
-SCHEMA = "stormfield.design/1"
-ElementType = Literal["singular", "regular", "streamline", "pathline"]
-TYPES: tuple[ElementType, ...] = get_args(ElementType)
-SingularKind = Literal[
-    "source",
-    "sink",
-    "saddle",
-    "vortex_ccw",
-    "vortex_cw",
-    "spiral_in_ccw",
-    "spiral_in_cw",
-    "spiral_out_ccw",
-    "spiral_out_cw",
-]
-KINDS: tuple[SingularKind, ...] = get_args(SingularKind)
-#: The kind that each one that turns becomes in a mirror.
-_MIRRORED: dict[SingularKind, SingularKind] = {
-    "vortex_ccw": "vortex_cw",
-    "vortex_cw": "vortex_ccw",
-    "spiral_in_ccw": "spiral_in_cw",
-    "spiral_in_cw": "spiral_in_ccw",
-    "spiral_out_ccw": "spiral_out_cw",
-    "spiral_out_cw": "spiral_out_ccw",
-}
+SCHEMA = "stormfield.design/2"
+#: Earlier forms that are read: everything in them means the same.
+READABLE = ("stormfield.design/1",)
 #: The two fields of one mesh (thesis 9.2): what turns the texture, and what moves it.
 FieldName = Literal["orientation", "advection"]
 FIELDS: tuple[FieldName, FieldName] = ("orientation", "advection")
 
+#: What the flow does at the border of the surface.
+Border = Literal["open", "wall", "inflow"]
+BORDERS: tuple[Border, ...] = get_args(Border)
+
 Vector = tuple[float, float, float]
+#: One number, or one for each entry of the element's λ.
+Number = float | tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -58,16 +44,27 @@ class Element:
     type: ElementType
     points: tuple[Vector, ...]
     lam: tuple[float, ...] = (0.0, 1.0)
-    kind: SingularKind = "source"
+    kind: Kind = "source"
     field: FieldName | Literal["both"] = "both"
-    strength: float = 0.2
-    radius: float = 0.1
+    strength: Number = 0.2
+    radius: Number = 0.1
     hard: bool = False
-    angle: float = 0.0
+    angle: Number = 0.0
     direction: Vector | None = None
     enabled: bool = True
+    rate: Number = 4.0
+    pull: Number = 4.0
+    reverse: bool = False
+    fade_in: float = 0.0
+    fade_out: float = 0.0
+    reach: float = 0.2
+    mode: BrushMode = "replace"
+    falloff: float = 0.5
 
     def __post_init__(self) -> None:
+        for name in OVER_LAMBDA:
+            if isinstance(getattr(self, name), Sequence):
+                object.__setattr__(self, name, tuple(float(value) for value in getattr(self, name)))
         object.__setattr__(self, "points", tuple(_vector(point) for point in self.points))
         object.__setattr__(self, "lam", tuple(float(value) for value in self.lam))
         if self.direction is not None:
@@ -78,22 +75,29 @@ class Element:
 
     def mirrored(self) -> "Element":
         """The same element as it must act on a mesh that is shown mirrored: left and right exchanged."""
-        kind = _MIRRORED.get(self.kind, self.kind)
-        return replace(self, kind=kind, angle=-self.angle)
+        kind = MIRRORED.get(self.kind, self.kind)
+        angle = tuple(-value for value in self.angle) if isinstance(self.angle, tuple) else -self.angle
+        return replace(self, kind=kind, angle=angle)
+
+    def values(self, name: str) -> tuple[float, ...]:
+        """Of a setting that may change over λ: one number, or one for each λ."""
+        value = getattr(self, name)
+        return value if isinstance(value, tuple) else (value,)
+
+    @property
+    def least_radius(self) -> float:
+        return min(self.values("radius"))
 
     def check(self) -> None:
         """Raises InputError on the first fault that can be seen without the surface."""
         where = f"element '{self.name}'"
         _check_word(self.type, TYPES, where, "type")
         _check_word(self.field, (*FIELDS, "both"), where, "field")
-        if self.type == "singular":
-            _check_word(self.kind, KINDS, where, "kind")
-        for what in ("strength", "radius"):
-            value = getattr(self, what)
-            if not (math.isfinite(value) and value > 0):
-                raise InputError(f"{where} has {what} {value:g}: give a number above 0")
-        if not math.isfinite(self.angle):
-            raise InputError(f"{where} has an angle that is not finite: give radians")
+        if kinds := RULES[self.type].kinds:
+            _check_word(self.kind, kinds, where, "kind")
+        self._check_numbers(where)
+        if RULES[self.type].instant:
+            self._check_instant(where)
         if not self.points:
             raise InputError(f"{where} has no points: draw it on the surface")
         for number, point in enumerate(self.points):
@@ -101,10 +105,44 @@ class Element:
                 raise InputError(f"{where} point {number} is not finite: give three finite numbers")
         self._check_lam(where)
 
+    def _check_numbers(self, where: str) -> None:
+        for name in OVER_LAMBDA:
+            values = self.values(name)
+            if len(values) not in {1, len(self.lam)} or not values:
+                raise InputError(
+                    f"{where} has {len(values)} values of {name} for {len(self.lam)} λ: "
+                    "give one number, or one for each λ"
+                )
+            for value in values:
+                _check_number(value, name, len(values) > 1, where)
+            if name == "strength" and max(values) <= 0:
+                raise InputError(f"{where} has strength 0 at every λ: give a number above 0 somewhere")
+        _check_word(self.mode, BRUSH_MODES, where, "mode")
+        if not 0.0 <= self.falloff <= 1.0:
+            raise InputError(f"{where} has falloff {self.falloff:g}: give 0 to 1")
+        for name in ("fade_in", "fade_out"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InputError(f"{where} has {name} {getattr(self, name):g}: give a length of λ from 0 to 1")
+
+    def _check_instant(self, where: str) -> None:
+        if len(self.points) != 1 or len(self.lam) != 1:
+            raise InputError(
+                f"{where} has {len(self.points)} points and {len(self.lam)} λ: it happens at one point and one λ"
+            )
+        if not 0.0 < self.lam[0] < 1.0:
+            raise InputError(
+                f"{where} is at λ {self.lam[0]:g}, the end of the range: move it inside, so that there is a before "
+                "and an after"
+            )
+        if not 0.0 < self.reach <= 1.0:
+            raise InputError(f"{where} has reach {self.reach:g}: give a length of λ above 0, and at most 1")
+
     def _check_lam(self, where: str) -> None:
         if not self.lam:
             raise InputError(f"{where} has no λ: give start and end, or one value per point")
-        if len(self.lam) > 2 and len(self.lam) != len(self.points):
+        still = len(self.points) == 1 or not RULES[self.type].moves
+        changing = still and any(isinstance(getattr(self, name), tuple) for name in OVER_LAMBDA)
+        if len(self.lam) > 2 and len(self.lam) != len(self.points) and not changing:
             raise InputError(
                 f"{where} has {len(self.lam)} λ values for {len(self.points)} points: "
                 "give start and end, or one per point"
@@ -128,8 +166,10 @@ class SolveSettings:
     lambda_per_second: float = 1.0
     weld: float = 1e-5
     edge: float = 0.0
+    border: Border = "open"
 
     def check(self) -> None:
+        _check_word(self.border, BORDERS, "settings", "border")
         if self.samples < 1:
             raise InputError(f"settings: samples is {self.samples}: give at least 1")
         for what in ("lambda_weight", "tolerance", "lambda_per_second"):
@@ -194,7 +234,7 @@ class Design:
 
 def check_schema(data: Json) -> None:
     """Raises InputError with one line that says where in the JSON, what is wrong, and the cure."""
-    schemas.check(data, SCHEMA, "design", _element_name)
+    schemas.check(data, SCHEMA, "design", _element_name, READABLE)
 
 
 def _element_name(data: Json, path: Sequence[str | int]) -> str:
@@ -216,7 +256,7 @@ def _non_defaults(value: Element | SolveSettings) -> dict[str, Json]:
         content = getattr(value, each.name)
         if content == each.default and each.name not in always:
             continue
-        if each.name == "kind" and isinstance(value, Element) and value.type != "singular":
+        if each.name == "kind" and isinstance(value, Element) and not RULES[value.type].kinds:
             continue
         result[each.name] = _listed(content)
     return result
@@ -231,6 +271,22 @@ def _vector(values: Sequence[float]) -> Vector:
     if len(vector) != 3:
         raise InputError(f"a point has {len(vector)} coordinates: give x, y and z")
     return vector
+
+
+def _check_number(value: float, name: str, is_list: bool, where: str) -> None:
+    if name == "angle":
+        if not math.isfinite(value):
+            raise InputError(f"{where} has an angle that is not finite: give radians")
+        return
+    if is_list and name == "strength" and value < 0:
+        raise InputError(
+            f"{where} has strength {value:g}: a strength never falls below 0; "
+            "end the element where it is 0 and begin its opposite there"
+        )
+    lowest_counts = name == "rate" or (is_list and name == "strength")
+    if not (math.isfinite(value) and (value > 0 or (lowest_counts and value == 0))):
+        cure = "give 0 or more" if lowest_counts else "give a number above 0"
+        raise InputError(f"{where} has {name} {value:g}: {cure}")
 
 
 def _check_word(word: str, known: Sequence[str], where: str, what: str) -> None:

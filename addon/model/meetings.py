@@ -90,7 +90,7 @@ def _ends(elements: Sequence[Element]) -> Iterator[_End]:
         for last in (False, True):
             lam = element.lam[-1 if last else 0]
             if 0.0 < lam < 1.0:
-                yield _End(number, last, lam, np.array(element.points[-1 if last else 0]), element.radius)
+                yield _End(number, last, lam, np.array(element.points[-1 if last else 0]), element.least_radius)
 
 
 def _meet(a: _End, b: _End) -> bool:
@@ -120,7 +120,7 @@ def _moved(element: Element, last: bool, meeting: Meeting) -> Element:
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     arc = np.r_[0.0, np.cumsum(steps)]
     away = arc[-1] - arc if last else arc
-    share = np.clip(1.0 - away / element.radius, 0.0, 1.0)
+    share = np.clip(1.0 - away / element.least_radius, 0.0, 1.0)
     points = points + share[:, None] * (meeting.position - points[end])
     points[end] = meeting.position
     inside = (lam[0], meeting.lam) if last else (meeting.lam, lam[-1])

@@ -20,12 +20,19 @@ if TYPE_CHECKING:
 Remark = Callable[[Json, Sequence[str | int]], str]
 
 
-def check(data: Json, schema: str, noun: str, remark: Remark = lambda _data, _place: "") -> None:
-    """Raises InputError unless the data say that they are of this schema, and are. noun: its file, NOUN.schema.json."""
+def check(
+    data: Json,
+    schema: str,
+    noun: str,
+    remark: Remark = lambda _data, _place: "",
+    earlier: Sequence[str] = (),
+) -> None:
+    """Raises InputError unless the data say that they are of this schema or an earlier one, and are of this one. noun:
+    its file, NOUN.schema.json."""
     from fastjsonschema import JsonSchemaValueException
 
     found = data.get("schema") if isinstance(data, dict) else None
-    if found != schema:
+    if found != schema and found not in earlier:
         raise InputError(f'schema: is {found!r}: {_article(noun)} says "schema": "{schema}"')
     try:
         _validator(noun)(data)
@@ -77,6 +84,8 @@ def _describe(error: "JsonSchemaValueException", noun: str) -> str:
         case "minItems" | "maxItems":
             bound = "least" if error.rule == "minItems" else "most"
             return f"has {len(error.value)} values: give at {bound} {rule}"
+        case "oneOf" if {"type": "number"} in rule:
+            return f"is {shown}: give a number, or a list with one for each λ"
         case "oneOf" if noun == "design":
             return 'is neither {"vertices", "triangles"} nor {"file"}: give one of them'
         case "oneOf" if "description" in error.definition:

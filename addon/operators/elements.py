@@ -5,7 +5,8 @@ import bpy
 from bpy.props import EnumProperty, IntProperty
 from mathutils import Matrix
 
-from ..properties.element import KINDS, SOURCES, TYPES
+from ..model.element_types import RULES, ElementType
+from ..properties.element import BIFURCATION_KINDS, KINDS, SOURCES, TYPES
 from ..scene.read.active_field import active_field
 from ..scene.write import selection
 from ..scene.write.elements import add_element, default_radius
@@ -25,6 +26,10 @@ PRESETS: dict[str, tuple[str, str, dict[str, object]]] = {
     "PARTICLE": ("Particle Path", "A particle travels along the curve in the time of the design", {"type": "pathline"}),
     "WIND": ("Wind", "The flow has the direction of the curve there", {"type": "regular"}),
 }
+#: Radius of a new bifurcation, whose pair comes a radius apart, over that of other elements.
+BIFURCATION_SIZE = 3.0
+#: Types that a selected empty cannot mean: it becomes a storm.
+NEED_CURVES = frozenset({"streamline", "pathline", "orbit", "brush"})
 #: Custom property of an object that says which preset it stands for, as those of the asset library have it.
 PRESET_MARK = "stormfield_preset"
 PRESET_ITEMS = tuple((key, label, text) for key, (label, text, _settings) in PRESETS.items())
@@ -65,10 +70,12 @@ class STORMFIELD_OT_add_elements(FieldOperator, bpy.types.Operator):
         sources = _selected_sources(context)
         for source in sources:
             point = source.type == "EMPTY"
+            meaning: ElementType = "singular" if point and self.type in NEED_CURVES else self.type
+            animated = point and is_animated(source) and not _moves_with(source, obj)
             settings: dict[str, object] = {
                 "kind": self.kind,
-                "type": "singular" if point and self.type != "regular" else self.type,
-                "from_animation": point and is_animated(source) and not _moves_with(source, obj),
+                "type": meaning,
+                "from_animation": animated and not RULES[meaning].instant,
             }
             if source.get(PRESET_MARK) in PRESETS:  # from the asset library: it says itself what it is
                 settings |= PRESETS[source[PRESET_MARK]][2]
@@ -101,23 +108,52 @@ class STORMFIELD_OT_place_element(FieldOperator, bpy.types.Operator):
     kind: EnumProperty(name="Kind", description="How the field flows around the point", items=KINDS)
 
     def execute(self, context):
-        obj = active_field(context)
-        if context.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
-        inverse = obj.matrix_world.inverted_safe()
-        found, place, normal, _face = obj.closest_point_on_mesh(inverse @ context.scene.cursor.location)
-        if not found:
-            self.report({"ERROR"}, f"'{obj.name}' has no surface near the 3D cursor")
-            return {"CANCELLED"}
         label = next(label for key, label, *_ in KINDS if key == self.kind)
-        empty = bpy.data.objects.new(label.split(",")[0], None)
-        empty.empty_display_type, empty.empty_display_size = "ARROWS", default_radius(obj)
-        empty.parent = obj
-        empty.matrix_basis = Matrix.Translation(place) @ normal.to_track_quat("Z", "Y").to_matrix().to_4x4()
-        for collection in obj.users_collection or [context.scene.collection]:
-            collection.objects.link(empty)
-        add_element(obj, empty, type="singular", kind=self.kind)
-        return {"FINISHED"}
+        return _place_at_cursor(self, context, label.split(",")[0], type="singular", kind=self.kind)
+
+
+class STORMFIELD_OT_place_bifurcation(FieldOperator, bpy.types.Operator):
+    """Place an empty on the surface nearest to the 3D cursor, where a bifurcation happens at the present λ"""
+
+    bl_idname = "stormfield.place_bifurcation"
+    bl_label = "Place Bifurcation at Cursor"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: EnumProperty(name="Kind", description="What happens there", items=BIFURCATION_KINDS)
+
+    def execute(self, context):
+        label = next(label for key, label, *_ in BIFURCATION_KINDS if key == self.kind)
+        obj = active_field(context)
+        lam = obj.stormfield.lam
+        return _place_at_cursor(
+            self,
+            context,
+            label,
+            type="bifurcation",
+            bifurcation_kind=self.kind,
+            radius=BIFURCATION_SIZE * default_radius(obj),
+            lam_start=lam if 0.05 < lam < 0.95 else 0.5,
+        )
+
+
+def _place_at_cursor(operator, context, name: str, **settings) -> set[str]:
+    """An element at a new empty, whose X axis lies along the surface."""
+    obj = active_field(context)
+    if context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    inverse = obj.matrix_world.inverted_safe()
+    found, place, normal, _face = obj.closest_point_on_mesh(inverse @ context.scene.cursor.location)
+    if not found:
+        operator.report({"ERROR"}, f"'{obj.name}' has no surface near the 3D cursor")
+        return {"CANCELLED"}
+    empty = bpy.data.objects.new(name, None)
+    empty.empty_display_type, empty.empty_display_size = "ARROWS", default_radius(obj)
+    empty.parent = obj
+    empty.matrix_basis = Matrix.Translation(place) @ normal.to_track_quat("Z", "Y").to_matrix().to_4x4()
+    for collection in obj.users_collection or [context.scene.collection]:
+        collection.objects.link(empty)
+    add_element(obj, empty, **settings)
+    return {"FINISHED"}
 
 
 class STORMFIELD_OT_remove_element(ElementOperator, bpy.types.Operator):
@@ -154,7 +190,7 @@ class STORMFIELD_OT_select_element(FieldOperator, bpy.types.Operator):
 
 
 class STORMFIELD_OT_move_element(ElementOperator, bpy.types.Operator):
-    """Move the active element in the list; the order changes names in messages only, never the field"""
+    """Move the active element in the list; the order counts for brush strokes only, which act one after the other"""
 
     bl_idname = "stormfield.move_element"
     bl_label = "Move Element"
@@ -191,6 +227,7 @@ class STORMFIELD_OT_element_preset(ElementOperator, bpy.types.Operator):
 CLASSES = (
     STORMFIELD_OT_add_elements,
     STORMFIELD_OT_place_element,
+    STORMFIELD_OT_place_bifurcation,
     STORMFIELD_OT_remove_element,
     STORMFIELD_OT_select_element,
     STORMFIELD_OT_move_element,

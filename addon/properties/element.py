@@ -32,6 +32,64 @@ TYPES = (
         "FORWARD",
         3,
     ),
+    (
+        "attachment",
+        "Attachment Line",
+        "The flow runs along the curve, or along the empty's X axis, and gathers on it from both sides (an attachment "
+        "element)",
+        "TRACKING_FORWARDS",
+        4,
+    ),
+    (
+        "separation",
+        "Separation Line",
+        "The flow runs along the curve, or along the empty's X axis, and parts from it to both sides (a separation "
+        "element)",
+        "TRACKING_BACKWARDS",
+        5,
+    ),
+    (
+        "orbit",
+        "Orbit",
+        "The flow goes round and round on the closed curve, which draws in or sends away what is beside it (a periodic "
+        "orbit)",
+        "CURVE_NCIRCLE",
+        6,
+    ),
+    (
+        "bifurcation",
+        "Bifurcation",
+        "At one moment of the design a pair of points appears or vanishes at the empty, or a storm turns from drawing "
+        "in to sending away (a bifurcation)",
+        "PARTICLE_DATA",
+        7,
+    ),
+    (
+        "brush",
+        "Brush Stroke",
+        "The flow beside the curve is combed after the rest is solved, in the order of the list; elsewhere it stays as "
+        "it is",
+        "BRUSH_DATA",
+        8,
+    ),
+)
+BRUSH_MODES = (
+    ("replace", "Replace", "The flow takes direction and strength of the stroke", 0),
+    ("add", "Add", "The stroke is added to the flow", 1),
+    ("strength", "Strength", "The flow takes the strength of the stroke and keeps its direction", 2),
+    ("smooth", "Smooth", "The flow becomes as smooth as what is around the stroke lets it be", 3),
+)
+BIFURCATION_KINDS = (
+    ("appear_sink", "Drain Appears", "A drain and a crossing appear together and move apart along the X axis", 0),
+    ("appear_source", "Spring Appears", "A spring and a crossing appear together and move apart along the X axis", 1),
+    ("vanish_sink", "Drain Vanishes", "A drain and a crossing approach along the X axis and vanish together", 2),
+    ("vanish_source", "Spring Vanishes", "A spring and a crossing approach along the X axis and vanish together", 3),
+    ("hopf_birth", "Orbit Is Born", "A spiral that draws in begins to send away, and sheds an attracting orbit", 4),
+    ("hopf_death", "Orbit Dies", "An attracting orbit shrinks onto the spiral inside it, which begins to draw in", 5),
+)
+ORBIT_KINDS = (
+    ("attracting", "Attracting", "The flow on both sides spirals towards the curve", 0),
+    ("repelling", "Repelling", "The flow on both sides spirals away from the curve", 1),
 )
 KINDS = (
     ("vortex_ccw", "Vortex, Left", "Turns left (counter-clockwise) around the point, seen from outside", 0),
@@ -69,6 +127,35 @@ class ElementProperties(bpy.types.PropertyGroup):
     )
     type: EnumProperty(name="Type", description="What the source object means for the field", items=TYPES)
     kind: EnumProperty(name="Kind", description="How the flow moves around the point", items=KINDS)
+    orbit_kind: EnumProperty(name="Kind", description="What an orbit does with the flow beside it", items=ORBIT_KINDS)
+    mode: EnumProperty(name="Mode", description="What a brush stroke does with the flow beside it", items=BRUSH_MODES)
+    falloff: FloatProperty(
+        name="Falloff",
+        description="Part of the radius over which a brush stroke fades (factor 0..1): 0 has a hard edge, 1 fades from "
+        "the middle on",
+        subtype="FACTOR",
+        min=0.0,
+        max=1.0,
+        default=0.5,
+    )
+    bifurcation_kind: EnumProperty(
+        name="Kind", description="What happens at the moment of a bifurcation", items=BIFURCATION_KINDS
+    )
+    reach: FloatProperty(
+        name="Reach",
+        description="Time along the design (length of λ, 0..1) from the bifurcation until its points are a radius "
+        "apart, or its orbit has half the radius",
+        min=0.001,
+        max=1.0,
+        default=0.2,
+        precision=3,
+        step=1,
+    )
+    reverse: BoolProperty(
+        name="Reverse",
+        description="The flow goes round the orbit against the direction of its curve, or clockwise at a bifurcation",
+        default=False,
+    )
     field: EnumProperty(name="Field", description="Which of the two fields the element shapes", items=FIELDS)
     from_animation: BoolProperty(
         name="From Animation",
@@ -117,11 +204,43 @@ class ElementProperties(bpy.types.PropertyGroup):
     )
     angle: FloatProperty(
         name="Angle",
-        description="Angle of a saddle's outgoing axis from the empty's X axis, in degrees",
+        description="Angle of a saddle's outgoing axis, or of a direction, from the empty's X axis, in degrees",
         subtype="ANGLE",
         min=-math.pi,
         max=math.pi,
         default=0.0,
+    )
+    pull: FloatProperty(
+        name="Pull",
+        description="How fast flow beside the line nears it or leaves it: its speed over its distance from the line, "
+        "per second",
+        min=0.0001,
+        soft_min=0.1,
+        soft_max=20.0,
+        max=10000.0,
+        default=4.0,
+        precision=2,
+        step=10,
+    )
+    fade_in: FloatProperty(
+        name="Fade In",
+        description="Time along the design (length of λ, 0..1) over which the strength grows from nothing after the "
+        "element begins",
+        min=0.0,
+        max=1.0,
+        default=0.0,
+        precision=3,
+        step=1,
+    )
+    fade_out: FloatProperty(
+        name="Fade Out",
+        description="Time along the design (length of λ, 0..1) over which the strength falls to nothing before the "
+        "element ends",
+        min=0.0,
+        max=1.0,
+        default=0.0,
+        precision=3,
+        step=1,
     )
     hard: BoolProperty(
         name="Exact",

@@ -49,6 +49,19 @@ class SolveProperties(bpy.types.PropertyGroup):
         precision=6,
         step=0.01,
     )
+    border: EnumProperty(
+        name="Border",
+        description="What the flow does at the border of an open surface",
+        items=(
+            ("open", "Open", "The flow crosses the border as it likes"),
+            (
+                "wall",
+                "Wall",
+                "The flow runs along the border and never crosses it; the solve takes about twice as long",
+            ),
+            ("inflow", "Inflow", "The flow comes in over all of the border; the solve takes about twice as long"),
+        ),
+    )
     solve_on: EnumProperty(
         name="Solve On",
         description="Where the field is worked out; it always lives on the vertices of the mesh",

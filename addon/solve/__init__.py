@@ -16,6 +16,7 @@ import numpy as np
 
 from .. import native
 from ..model.design import FIELDS, Design, Element, FieldName, SolveSettings
+from ..model.element_types import is_bifurcation, is_singular
 from ..model.mesh_data import MeshData
 from .carried import Carried
 from .surface import SolveSurface
@@ -93,6 +94,7 @@ class SolveJob:
             tolerance=design.settings.tolerance,
             even_speed=design.settings.even_speed,
             lambda_per_second=design.settings.lambda_per_second,
+            border=design.settings.border,
             state=kept,
         )
 
@@ -152,25 +154,44 @@ Solve = tuple[tuple[FieldName, ...], tuple[Element, ...]]
 def _distinct(design: Design) -> list[Solve]:
     """What must be solved: names of fields, and their elements.
 
-    Fields with the same elements are solved once; a field without elements of its own is the same as the other.
+    Fields with the same elements are solved once; a field without elements of its own is the same as the other, and one
+    that has brush strokes alone is the other one with these strokes.
     """
-    of = {name: design.elements_of(name) for name in FIELDS}
-    acting = {name: elements or of[other] for (name, elements), other in zip(of.items(), reversed(FIELDS), strict=True)}
+    acting = {name: _acting(design, name, other) for name, other in zip(FIELDS, reversed(FIELDS), strict=True)}
     if acting[FIELDS[0]] == acting[FIELDS[1]]:
         return [(FIELDS, acting[FIELDS[0]])]
     return [((name,), elements) for name, elements in acting.items()]
 
 
+def _acting(design: Design, name: FieldName, other: FieldName) -> tuple[Element, ...]:
+    own = design.elements_of(name)
+    if not own:
+        return design.elements_of(other)
+    if all(element.type == "brush" for element in own):
+        return tuple(element for element in design.elements_of(other) if element.type != "brush") + own
+    return own
+
+
 def _native_element(element: Element) -> native.DesignElement:
+    orbit = element.type == "orbit"
     return native.DesignElement(
         element.name,
         element.type,
         np.array(element.points, dtype=np.float64),
         lam=list(element.lam),
-        kind=element.kind,
-        strength=element.strength,
-        radius=element.radius,
-        angle=element.angle,
+        kind=element.kind if is_singular(element.kind) else "source",
+        strength=element.values("strength"),
+        radius=element.values("radius"),
+        angle=element.values("angle"),
         direction=element.direction,
         hard=element.hard,
+        rate=element.values("pull" if orbit else "rate"),
+        stability="repelling" if element.kind == "repelling" else "attracting",
+        reverse=element.reverse,
+        fade_in=element.fade_in,
+        fade_out=element.fade_out,
+        event=element.kind if is_bifurcation(element.kind) else "appear_sink",
+        reach=element.reach,
+        mode=element.mode,
+        falloff=element.falloff,
     )

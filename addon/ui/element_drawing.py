@@ -14,9 +14,11 @@ import bpy
 import numpy as np
 
 from ..model.design import Element
+from ..model.element_types import MOVING, RULES
 from ..model.meetings import Meeting, meetings
 from ..scene.read import freshness as reading
 from ..scene.read.element_lines import element_lines
+from ..scene.read.element_settings import kind_of
 from ..scene.read.lambda_seen import passages
 from ..scene.read.lambda_source import plain_keys
 from ..session import freshness
@@ -27,9 +29,11 @@ from .surface import Surface, laid, lift
 
 #: Distance of points along a path, of arrows of travel, and their size, over the object's size.
 STEP, ARROWS, HEAD = 1 / 150, 1 / 9, 1 / 60
-#: Elements of these types have a place that changes with λ.
-MOVING = frozenset({"singular", "pathline"})
 NOTHING = np.zeros((0, 2, 3))
+#: Elements of these types have a ring of their radius.
+RINGED = MOVING | {"bifurcation"}
+#: Whether the flow beside a line nears it, by the type or the kind of the element.
+INWARD = {"attachment": True, "separation": False, "attracting": True, "repelling": False}
 
 
 @dataclass
@@ -134,11 +138,12 @@ def drawing_of(evaluated: bpy.types.Object) -> ElementsDrawing:
 
 
 def _shape(obj: bpy.types.Object, element, surface: Surface, mesh) -> Shape:
-    lam = (0.0, 1.0) if element.from_animation else (element.lam_start, max(element.lam_start, element.lam_end))
+    always = element.from_animation or RULES[element.type].instant
+    lam = (0.0, 1.0) if always else (element.lam_start, max(element.lam_start, element.lam_end))
     point = element.source.type == "EMPTY"
     paths = []
     for line in element_lines(obj, element.source):
-        if point and element.type != "regular":
+        if point and element.type in MOVING:
             line = line[:1]
         elif point:  # as long as the element reaches
             line = np.stack([line[0], line[0] + element.radius * _unit(line[1] - line[0])])
@@ -148,20 +153,32 @@ def _shape(obj: bpy.types.Object, element, surface: Surface, mesh) -> Shape:
     def lay(lines: list[np.ndarray]) -> list[np.ndarray]:
         return [laid(shapes.resampled(line, STEP * size), surface, mesh)[0] for line in lines]
 
-    heads = [head for path in paths for head in shapes.chevrons(path.points, path.normals, ARROWS * size, HEAD * size)]
+    heads = [head for path in paths for head in _heads(element, path, size)]
     fixed = segments([path.points for path in paths] + lay(heads))
     timed = element.type in MOVING and not element.from_animation
     ticks = [
         tick for path in paths if timed for tick in shapes.ticks(path.points, path.normals, path.lam, 0.6 * HEAD * size)
     ]
-    rings = _rings(element, paths[0], surface, mesh) if paths and element.type in MOVING else None
+    rings = _rings(element, paths[0], surface, mesh) if paths and element.type in RINGED else None
     return Shape(
-        0, element.name, element.type, element.kind, element.radius, lam, paths, fixed, segments(lay(ticks)), rings
+        0, element.name, element.type, kind_of(element), element.radius, lam, paths, fixed, segments(lay(ticks)), rings
     )
 
 
+def _heads(element, path: Path, size: float) -> list[np.ndarray]:
+    """Arrows along a path, and on both sides of a line that flow gathers on or parts from."""
+    onward = slice(None, None, -1 if element.type == "orbit" and element.reverse else 1)
+    points, normals = path.points[onward], path.normals[onward]
+    heads = shapes.chevrons(points, normals, ARROWS * size, HEAD * size)
+    inward = INWARD.get(element.type, INWARD.get(kind_of(element)))
+    if inward is not None:
+        heads += shapes.side_arrows(points, normals, ARROWS * size, HEAD * size, inward)
+    return heads
+
+
 def _rings(element, path: Path, surface: Surface, mesh) -> Rings:
-    sign = shapes.sign(element.kind, element.angle) if element.type == "singular" else []
+    signs = {"singular": shapes.sign, "bifurcation": shapes.event_sign}
+    sign = signs[element.type](kind_of(element), element.angle) if element.type in signs else []
     return Rings(path.points, path.normals[0], element.radius, sign, (surface, mesh))
 
 

@@ -37,6 +37,23 @@ def sign(kind: str, angle: float = 0.0) -> list[np.ndarray]:
     return arcs
 
 
+def event_sign(kind: str, angle: float = 0.0) -> list[np.ndarray]:
+    """What a bifurcation does, along the axis at `angle`: the node ahead and the saddle behind, that come apart or
+    together; or the orbit that is born or dies."""
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    grows = kind.startswith("appear") or kind == "hopf_birth"
+    if kind.startswith("hopf"):
+        lines = [0.5 * line for line in ring()]
+        ends = [np.array([[0.2, 0.0], [0.45, 0.0]]), np.array([[-0.2, 0.0], [-0.45, 0.0]])]
+    else:
+        lines = [0.12 * line + (0.5, 0.0) for line in ring()]
+        lines += [np.array([[-0.6, -0.1], [-0.4, 0.1]]), np.array([[-0.6, 0.1], [-0.4, -0.1]])]
+        ends = [np.array([[0.08, 0.0], [0.36, 0.0]]), np.array([[-0.08, 0.0], [-0.38, 0.0]])]
+    for end in ends:
+        lines += _with_head(end if grows else end[::-1], 0.12)
+    return [line @ turn for line in lines]
+
+
 def _saddle(angle: float) -> list[np.ndarray]:
     """Out along the axis at `angle`, in along the other."""
     lines = []
@@ -127,3 +144,24 @@ def _even_times(first: float, last: float, most: float) -> np.ndarray:
         if len(times) <= most + 1:
             return times
     return np.zeros(0)
+
+
+def side_arrows(line: np.ndarray, normals: np.ndarray, every: float, size: float, inward: bool) -> list[np.ndarray]:
+    """Arrow heads on both sides of a line, that point to it or away from it: polylines (3, 3). A
+    single point has none."""
+    if len(line) < 2:
+        return []
+    arc = arc_length(line)
+    count = max(1, round(arc[-1] / every))
+    heads = []
+    for place in np.arange(count) / count * arc[-1]:
+        i = int(np.clip(np.searchsorted(arc, place, side="right") - 1, 0, len(line) - 2))
+        along = line[i + 1] - line[i]
+        along = along / max(float(np.linalg.norm(along)), 1e-12)
+        aside = np.cross(normals[i], along)
+        foot = line[i] + (place - arc[i]) * along
+        for side in (1.0, -1.0):
+            near, far = foot + side * size * aside, foot + side * 1.8 * size * aside
+            tip, back = (near, far) if inward else (far, near)
+            heads.append(np.stack([back - 0.5 * size * along, tip, back + 0.5 * size * along]))
+    return heads

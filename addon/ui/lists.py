@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..model.element_types import RULES
 from ..properties.element import TYPES
 from ..session import edit_preview
 from . import icons
@@ -33,6 +34,8 @@ class STORMFIELD_UL_elements(bpy.types.UIList):
             times.label(text="no source", icon="ERROR")
         elif item.from_animation:
             times.label(text="keys")
+        elif RULES[item.type].instant:
+            times.label(text=f"{item.lam_start:.2g}")
         else:
             times.label(text=f"{item.lam_start:.2g}–{item.lam_end:.2g}")
         row.prop(item, "enabled", text="", emboss=False, icon="HIDE_OFF" if item.enabled else "HIDE_ON")

@@ -4,8 +4,11 @@
 import bpy
 
 from ..operators.elements import PRESETS
-from ..properties.element import KINDS, TYPES
+from ..properties.element import BIFURCATION_KINDS, KINDS, TYPES
 from . import pictures
+
+#: Types that are drawn from the menu; the others have pictures in the panel.
+DRAWN_HERE = ("attachment", "separation", "orbit", "brush")
 
 
 class STORMFIELD_MT_add_selected(bpy.types.Menu):
@@ -21,19 +24,29 @@ class STORMFIELD_MT_add_selected(bpy.types.Menu):
 class STORMFIELD_MT_place(bpy.types.Menu):
     bl_idname = "STORMFIELD_MT_place"
     bl_label = "Place at Cursor"
-    bl_description = "Place a storm, spring or drain on the surface nearest to the 3D cursor"
+    bl_description = "Place a storm, spring, drain or bifurcation on the surface nearest to the 3D cursor"
 
     def draw(self, _context):
         for key, label, *_ in KINDS:
             self.layout.operator("stormfield.place_element", text=label).kind = key
+        self.layout.separator()
+        for key, label, *_ in BIFURCATION_KINDS:
+            self.layout.operator("stormfield.place_bifurcation", text=label).kind = key
 
 
 class STORMFIELD_MT_not_drawn(bpy.types.Menu):
     bl_idname = "STORMFIELD_MT_not_drawn"
     bl_label = "Other Elements"
-    bl_description = "Elements of what is there: selected curves and empties, or the place of the 3D cursor"
+    bl_description = (
+        "Lines and orbits to draw, and elements of what is there: selected curves and empties, or the "
+        "place of the 3D cursor"
+    )
 
     def draw(self, _context):
+        for key, label, _text, icon, _number in TYPES:
+            if key in DRAWN_HERE:
+                self.layout.operator("stormfield.draw_element", text=f"Draw {label}", icon=icon).type = key
+        self.layout.separator()
         self.layout.menu("STORMFIELD_MT_add_selected", text="From Selected", icon="RESTRICT_SELECT_OFF")
         self.layout.menu("STORMFIELD_MT_place", text="At Cursor", icon="PIVOT_CURSOR")
 

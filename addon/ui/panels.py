@@ -5,10 +5,12 @@ import bpy
 from bl_ui.utils import PresetPanel
 
 from .. import compat
+from ..model.element_types import RULES
 from ..operators import bake, elements, requirements, solve, transfer
 from ..scene.read import user_preferences
 from ..scene.read.active_field import active_field
 from ..scene.read.attached import FRAMES, LAMBDA, TURN, attached_file, find_modifier
+from ..scene.read.element_settings import KIND_OF, shown_settings
 from ..scene.read.lambda_source import why_sampled
 from ..scene.write import mesh_edits
 from ..scene.write.cache_folders import stray_folders
@@ -116,14 +118,20 @@ def _draw_element(context, layout, obj, element):
     layout.use_property_split = True
     layout.use_property_decorate = False
     column = layout.column()
-    if element.type == "singular":
-        column.prop(element, "kind")
-    if not element.from_animation:
+    if element.type in KIND_OF:
+        column.prop(element, KIND_OF[element.type])
+    instant = RULES[element.type].instant
+    if instant:
+        column.prop(element, "lam_start", text="Happens at")
+    elif not element.from_animation:
         times = column.column(align=True)
         times.prop(element, "lam_start")
         times.prop(element, "lam_end")
-    column.prop(element, "strength")
-    column.prop(element, "radius")
+    keyed = column.column()
+    keyed.use_property_decorate = True
+    for name in shown_settings(element.type):
+        if name != "angle" and not (name == "reverse" and instant and not element.bifurcation_kind.startswith("hopf")):
+            keyed.prop(element, name)
     length = user_preferences.length_text(context, element.radius, max(obj.matrix_world.to_scale()))
     if length:
         column.label(text=f"Radius in the scene: {length}")
@@ -136,10 +144,17 @@ def _draw_element(context, layout, obj, element):
     column.prop(element, "type")
     column.prop(element, "source")
     column.prop(element, "field")
-    if element.type == "singular" and element.kind == "saddle":
-        column.prop(element, "angle")
-    column.prop(element, "from_animation")
-    column.prop(element, "hard")
+    if "angle" in shown_settings(element.type) and (element.type != "singular" or element.kind == "saddle"):
+        row = column.row()
+        row.use_property_decorate = True
+        row.prop(element, "angle")
+    if not instant:
+        fades = column.column(align=True)
+        fades.prop(element, "fade_in")
+        fades.prop(element, "fade_out")
+        column.prop(element, "from_animation")
+    if element.type != "brush":
+        column.prop(element, "hard")
 
 
 class STORMFIELD_PT_solve(FieldPanel, bpy.types.Panel):
@@ -184,6 +199,7 @@ def _draw_solve_settings(layout, settings):
     column.prop(settings, "solve_on")
     if settings.solve_on == "DENSITY":
         column.prop(settings, "edge")
+    column.prop(settings, "border")
     column.prop(settings, "weld")
     column.prop(settings, "keep_solver")
 

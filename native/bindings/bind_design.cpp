@@ -4,6 +4,8 @@
 
 #include <pybind11/stl.h>
 
+#include "base/error.h"
+#include "base/message.h"
 #include "bindings/bindings.h"
 #include "bindings/job.h"
 #include "design/design_solve.h"
@@ -22,9 +24,15 @@ struct SolvedField {
   std::vector<Index> componentsWithoutConstraint;
 };
 
+/// A number, or one for each lambda of the element.
+using Numbers = std::vector<double>;
+
 DesignElement makeElement(const std::string& name, ElementType type, const ArrayArgument<double>& points,
-                          const std::vector<double>& lam, SingularKind kind, double strength, double radius,
-                          double angle, const std::optional<std::array<double, 3>>& direction, bool hard) {
+                          const std::vector<double>& lam, SingularKind kind, const Numbers& strength,
+                          const Numbers& radius, const Numbers& angle,
+                          const std::optional<std::array<double, 3>>& direction, bool hard, const Numbers& rate,
+                          OrbitStability stability, bool reverse, double fadeIn, double fadeOut,
+                          BifurcationEvent event, double reach, BrushMode mode, double falloff) {
   DesignElement element;
   element.name = name;
   element.type = type;
@@ -33,11 +41,22 @@ DesignElement makeElement(const std::string& name, ElementType type, const Array
   for (py::ssize_t i = 0; i < array.shape(0); ++i)
     element.points.emplace_back(array.at(i, 0), array.at(i, 1), array.at(i, 2));
   element.lambdas = lam;
+  for (const Numbers* numbers : {&strength, &radius, &angle, &rate})
+    if (numbers->empty()) throw InputError(message("\"", name, "\" has an empty list of numbers: give at least one"));
   element.strength = strength;
   element.radius = radius;
   element.angle = angle;
   if (direction) element.direction = Vec3((*direction)[0], (*direction)[1], (*direction)[2]);
   element.hard = hard;
+  element.rate = rate;
+  element.stability = stability;
+  element.reverse = reverse;
+  element.fadeIn = fadeIn;
+  element.fadeOut = fadeOut;
+  element.event = event;
+  element.reach = reach;
+  element.mode = mode;
+  element.falloff = falloff;
   return element;
 }
 
@@ -90,8 +109,8 @@ SolvedFields solveAll(const MeshPointer& mesh, const ElementLists& lists, const 
 
 Work<SolvedFields> prepareSolveDesign(const MeshPointer& mesh, const ElementLists& lists, Index samples,
                                       double lambdaWeight, double tolerance, double evenSpeed, double lambdaPerSecond,
-                                      const std::shared_ptr<SolverState>& state) {
-  const DesignOptions options{samples, lambdaWeight, tolerance, evenSpeed, lambdaPerSecond};
+                                      Border border, const std::shared_ptr<SolverState>& state) {
+  const DesignOptions options{samples, lambdaWeight, tolerance, evenSpeed, lambdaPerSecond, border};
   auto kept = state ? state : std::make_shared<SolverState>();
   return [=](Progress& progress) { return solveAll(mesh, lists, options, *kept, progress); };
 }
@@ -111,14 +130,22 @@ void bind_design(py::module_& m) {
   const DesignElement element;
   py::class_<DesignElement>(m, "DesignElement", py::module_local(), "What an artist places (thesis 5.2). Immutable.")
       .def(py::init(&makeElement), py::arg("name"), py::arg("type"), py::arg("points"),
-           py::arg("lam") = element.lambdas, py::arg("kind") = element.kind, py::arg("strength") = element.strength,
-           py::arg("radius") = element.radius, py::arg("angle") = element.angle, py::arg("direction") = py::none(),
-           py::arg("hard") = element.hard,
+           py::arg("lam") = element.lambdas, py::arg("kind") = element.kind,
+           py::arg("strength") = element.strength.values(), py::arg("radius") = element.radius.values(),
+           py::arg("angle") = element.angle.values(), py::arg("direction") = py::none(),
+           py::arg("hard") = element.hard, py::arg("rate") = element.rate.values(),
+           py::arg("stability") = element.stability, py::arg("reverse") = element.reverse,
+           py::arg("fade_in") = element.fadeIn, py::arg("fade_out") = element.fadeOut,
+           py::arg("event") = element.event, py::arg("reach") = element.reach,
+           py::arg("mode") = element.mode, py::arg("falloff") = element.falloff,
            "points: (k, 3) float64, object space. lam: one lambda per point, or start and end. kind: of singular\n"
-           "elements. strength: mesh sizes per second. radius: mesh units. angle: radians, of a saddle's outflow from\n"
-           "direction (3 numbers). hard: whether the inner third of the region is met exactly. Raises InputError for "
-           "an\n"
-           "unknown word and for points of another shape.")
+           "elements. strength: mesh sizes per second. radius: mesh units. angle: radians, of a saddle's outflow or an\n"
+           "arrow from direction (3 numbers). hard: whether the inner third of the region is met exactly. rate: 1/s, of\n"
+           "attachment, separation and orbits. stability, reverse: of orbits. fade_in, fade_out: lengths of lambda.\n"
+           "event: what a bifurcation makes happen, reach: lambda from it until its pair or orbit has its full size.\n"
+           "mode: of a brush, falloff: part of its radius over which it fades.\n"
+           "strength, radius, angle and rate hold one number, or one for each lam. Raises InputError for an unknown\n"
+           "word and for points of another shape.")
       .def_readonly("name", &DesignElement::name, "Unique in its design; messages speak of it.");
 
   m.def(
@@ -162,13 +189,14 @@ void bind_design(py::module_& m) {
           "One field per list of DesignElement, one after the other -> list of SolvedField.\n\n"
           "samples: of lambda in [0, 1]. lambda_weight: omega of thesis eq. 11.3. tolerance: relative residual.\n"
           "even_speed: 0 (as solved) to 1 (one speed, falling to 0 at fixed points). lambda_per_second: of pathlines.\n"
+          "border: what the flow does at the border of the surface.\n"
           "state: a SolverState; with one that solved on this mesh object before, solves start from their last\n"
           "solution and agree with those that do not to the tolerance, not to the bit. Raises InputError,\n"
           "SolverError, Cancelled.",
           py::arg("mesh"), py::arg("elements"), py::kw_only(), py::arg("samples") = defaults.samples,
           py::arg("lambda_weight") = defaults.lambdaWeight, py::arg("tolerance") = defaults.tolerance,
           py::arg("even_speed") = defaults.evenSpeed, py::arg("lambda_per_second") = defaults.lambdaPerSecond,
-          py::arg("state") = std::shared_ptr<SolverState>());
+          py::arg("border") = defaults.border, py::arg("state") = std::shared_ptr<SolverState>());
 }
 
 }  // namespace stormfield::bindings

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "design/brush.h"
 #include "design/detail/region.h"
 #include "design/even_speed.h"
 
@@ -31,7 +32,7 @@ double evenSpeedReach(const std::vector<DesignElement>& elements, double size) {
   constexpr double kFractionOfSize = 0.05;
   double reach = kFractionOfSize * size;
   for (const DesignElement& element : elements)
-    if (element.type == ElementType::Singular) reach = std::min(reach, kCore * element.radius);
+    if (element.type == ElementType::Singular) reach = std::min(reach, kCore * element.radius.least());
   return reach;
 }
 
@@ -58,12 +59,19 @@ SpaceTimeResult DesignSolver::solve(const std::vector<DesignElement>& elements, 
   elementOptions.samples = options_.samples;
   elementOptions.lambdaPerSecond = options_.lambdaPerSecond;
   if (static_cast<int>(maps_.size()) <= field) maps_.resize(field + 1);
-  const ConstraintSet constraints = elementConstraints(charts_, elements, elementOptions, &progress, &maps_[field]);
+  ConstraintSet constraints = elementConstraints(charts_, elements, elementOptions, &progress, &maps_[field]);
   progress.range(begin + kConstraintsShare * (end - begin), end);
   if (static_cast<int>(states_.size()) <= field) states_.resize(field + 1);
   SpaceTimeResult result = solver_.solve(constraints, progress, states_[field]);
+  const BorderFlow border(*charts_, options_.border);
+  if (border.acts()) {
+    border.addTo(constraints, result.field);
+    result = solver_.solve(constraints, progress, states_[field]);
+    border.settle(result.field);
+  }
   if (options_.evenSpeed > 0.0)
     result.field = evenSpeed(result.field, options_.evenSpeed, evenSpeedReach(elements, charts_->mesh().size()));
+  applyBrushes(result.field, elements, &progress);
   return result;
 }
 

@@ -1,10 +1,11 @@
-// From a design to its field: constraints, space-time solve, even speed.
+// From a design to its field: constraints, space-time solve, border, even speed, brush strokes.
 //
 //   DesignSolver solver(charts, {.samples = 100});
 //   SpaceTimeResult result = solver.solve(elements, progress);
 //   SpaceTimeResult again = solver.solve(movedElements, progress);  // starts from the last one
 #pragma once
 
+#include "design/border.h"
 #include "design/element_constraints.h"
 #include "solver/space_time_solver.h"
 
@@ -17,6 +18,7 @@ struct DesignOptions {
       SpaceTimeOptions().tolerance;  ///< relative residual of the solve; its accuracy is that of SpaceTimeOptions
   double evenSpeed = 0.0;            ///< 0: speeds as solved, 1: one speed, falling to 0 at fixed points only
   double lambdaPerSecond = ElementOptions().lambdaPerSecond;  ///< s in d lambda = s dt, for pathlines
+  Border border = Border::Open;
 };
 
 /// Keeps what solves on one mesh share, and what each leaves for the next: some five vectors of single precision

@@ -10,7 +10,8 @@
 #include <mutex>
 #include <optional>
 
-#include "design/detail/other_targets.h"
+#include "design/detail/bifurcation_targets.h"
+#include "design/detail/element_targets.h"
 #include "design/detail/singular_targets.h"
 #include "field/parameterized_field.h"
 
@@ -22,6 +23,25 @@ void throwContradiction(const std::vector<DesignElement>& elements, const Target
   throw InputError(describe(elements[a.element]) + " and " + describe(elements[b.element]) +
                    " contradict each other at vertex " + std::to_string(a.vertex) + ", lambda " + shortNumber(lambda) +
                    ": move one away, make a radius smaller, or let them act at different lambda");
+}
+
+/// Whether elements of other types make room for it.
+bool displacesOthers(const DesignElement& element) {
+  return element.type == ElementType::Singular || element.type == ElementType::Bifurcation;
+}
+
+/// Throws InputError unless there are samples before and after each event, and in its reach.
+void checkEvents(const std::vector<DesignElement>& elements, double step) {
+  for (const DesignElement& element : elements) {
+    if (element.type != ElementType::Bifurcation) continue;
+    const double lambda = element.lambdas.front();
+    if (lambda < step || lambda > 1.0 - step)
+      throw InputError(describe(element) + " is at lambda " + shortNumber(lambda) +
+                       ", less than one sample from the end of the range: move it inside, or solve more samples");
+    if (element.reach < 2.0 * step)
+      throw InputError(describe(element) + " has reach " + shortNumber(element.reach) +
+                       ", less than two samples of lambda: make it longer, or solve more samples");
+  }
 }
 
 /// Whether they share more of lambda than an end; their fading ends may overlap all the same.
@@ -75,7 +95,7 @@ class Sample {
     for (Iterator t = begin; t != end; ++t) cover = std::max(cover, t->cover);
     Target hard;
     for (Iterator t = begin; t != end; ++t) {
-      const bool displaced = elements_[t->element].type != ElementType::Singular;
+      const bool displaced = !displacesOthers(elements_[t->element]);
       if (displaced) t->weight *= (1.0 - std::min(cover, 1.0)) * (1.0 - std::min(cover, 1.0));
       if (!(t->weight > 0.0)) continue;
       if (!elements_[t->element].hard || !t->core) continue;
@@ -104,6 +124,8 @@ ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& char
                                  const std::vector<DesignElement>& given, const ElementOptions& options,
                                  Progress* progress, LogMapCache* kept) {
   checkElements(given);
+  if (std::all_of(given.begin(), given.end(), [](const auto& element) { return element.type == ElementType::Brush; }))
+    throw InputError("the design has only brush strokes for this field: add an element that they change");
   if (options.samples < 1)
     throw InputError("the design has " + std::to_string(options.samples) + " samples: give at least 1");
   const TriangleMesh& mesh = charts->mesh();
@@ -113,14 +135,17 @@ ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& char
   tbb::enumerable_thread_specific<LogMapScratch> scratch([&] { return LogMapScratch(mesh); });
 
   const SingularTargets singular(*charts, query, elements, junctions, options.stiffness);
-  std::vector<OtherTargets> others;
+  const TargetContext context{*charts, query, options.stiffness, options.lambdaPerSecond};
+  std::vector<std::unique_ptr<ElementTargets>> others;
   for (std::size_t i = 0; i < elements.size(); ++i)
-    if (elements[i].type != ElementType::Singular)
-      others.emplace_back(*charts, query, elements[i], static_cast<Index>(i), options.stiffness,
-                          options.lambdaPerSecond, scratch.local());
+    if (elements[i].type != ElementType::Singular && elements[i].type != ElementType::Brush)
+      others.push_back(makeTargets(context, elements[i], static_cast<Index>(i), scratch.local()));
+  keepOrbitsApart(others);
+  keepBifurcationsAlone(mesh, others, elements, query);
 
   const std::vector<double> lambdas = evenLambdas(options.samples);
   const double step = options.samples > 1 ? lambdas[1] : 1.0;
+  checkEvents(elements, step);
   std::vector<std::vector<Target>> targets(lambdas.size());
   // Samples fail on their own, so that the fault that is reported does not depend on the threads.
   std::vector<std::exception_ptr> faults(lambdas.size());
@@ -136,7 +161,7 @@ ConstraintSet elementConstraints(const std::shared_ptr<const VertexCharts>& char
       LogMapScratch& own = scratch.local();
       own.useKept(kept ? &(*kept)[j] : nullptr);
       singular.addAt(lambdas[j], step, own, sample);
-      for (const OtherTargets& other : others) other.addAt(lambdas[j], step, own, sample);
+      for (const auto& other : others) other->addAt(lambdas[j], step, own, sample);
       if (kept) (*kept)[j].keepUsed(maxEntries);
       targets[j] = Sample(elements, lambdas[j]).reduce(std::move(sample));
       const std::lock_guard lock(reporting);

@@ -29,7 +29,7 @@ struct ElementOptions {
   double stiffness = 1e4;
 };
 
-/// Sorted by sample, then vertex; the same for any number of threads. Throws InputError as checkElements does, when a
+/// Brush strokes are passed over (brush.h). Sorted by sample, then vertex; the same for any number of threads. Throws InputError as checkElements does, when a
 /// point lies off the surface, when singular elements meet in a way that cannot be joined, and when the cores of two
 /// elements require contradicting vectors at one vertex and lambda (names both); Cancelled through progress. kept: maps
 /// from the designs before it, and for those after it.

@@ -131,6 +131,8 @@ def walk(op: Operators, stormfield) -> None:
     for place, kind in (((0, 0, 1), "vortex_ccw"), ((1, 0, 0), "saddle")):
         scene.cursor.location = place
         op.place_element(kind=kind)
+    op.place_bifurcation(kind="appear_sink")
+    op.remove_element()
     op.move_element(direction="UP")
     op.element_preset(preset="CYCLONE")
     op.draw_element(type="streamline")

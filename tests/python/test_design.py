@@ -3,17 +3,19 @@
 
 import copy
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from stormfield.model.design import KINDS, TYPES, Design, Element, SolveSettings, check_schema
+from stormfield.model.design import Design, Element, SolveSettings, check_schema
+from stormfield.model.element_types import BRUSH_MODES, KINDS, OVER_LAMBDA, RULES, TYPES
 from stormfield.model.errors import InputError
 from stormfield.model.mesh_data import MeshData
 
 EYE = {"name": "eye", "type": "singular", "kind": "vortex_ccw", "points": [[0, 0, 1], [0, 1, 0]], "lam": [0, 0.5]}
-DESIGN = {"schema": "stormfield.design/1", "settings": {"samples": 20}, "elements": [EYE]}
+DESIGN = {"schema": "stormfield.design/2", "settings": {"samples": 20}, "elements": [EYE]}
 
 
 def changed(**values):
@@ -39,7 +41,21 @@ def test_reads_json():
 
 numbers = st.floats(-10, 10, allow_nan=False)
 positive = st.floats(1e-3, 10)
-elements = st.builds(
+over_lambda = positive | st.tuples(positive, positive)
+
+
+@st.composite
+def one_of_a_type(draw):
+    element = draw(any_type)
+    kinds = RULES[element.type].kinds
+    element = replace(element, kind=draw(st.sampled_from(kinds))) if kinds else element
+    if not RULES[element.type].instant:
+        return element
+    numbers = {name: element.values(name)[0] for name in OVER_LAMBDA}
+    return replace(element, points=element.points[:1], lam=(draw(st.floats(0.1, 0.9)),), **numbers)
+
+
+any_type = st.builds(
     Element,
     name=st.text(min_size=1, max_size=8),
     type=st.sampled_from(TYPES),
@@ -47,22 +63,45 @@ elements = st.builds(
     lam=st.tuples(st.floats(0, 0.5), st.floats(0.5, 1)),
     kind=st.just("source"),
     field=st.sampled_from(["orientation", "advection", "both"]),
-    strength=positive,
-    radius=positive,
+    strength=over_lambda,
+    radius=over_lambda,
+    rate=over_lambda,
+    pull=over_lambda,
+    reverse=st.booleans(),
+    fade_in=st.floats(0, 1),
+    mode=st.sampled_from(BRUSH_MODES),
+    falloff=st.floats(0, 1),
     hard=st.booleans(),
-    angle=numbers,
+    angle=numbers | st.tuples(numbers, numbers),
     direction=st.none() | st.tuples(numbers, numbers, numbers),
     enabled=st.booleans(),
 )
 
 
-@given(st.lists(elements, min_size=1, max_size=4, unique_by=lambda e: e.name))
+@given(st.lists(one_of_a_type(), min_size=1, max_size=4, unique_by=lambda e: e.name))
 def test_json_round_trip(some):
     design = Design(tuple(some), SolveSettings(samples=7, even_speed=0.5))
     data = json.loads(json.dumps(design.to_json()))
     check_schema(data)
     if any(element.enabled for element in some):
         assert Design.from_json(data) == design
+
+
+def test_reads_the_earlier_schema():
+    assert Design.from_json({**DESIGN, "schema": "stormfield.design/1"}) == Design.from_json(DESIGN)
+
+
+def test_every_type_has_rules_and_is_in_the_schema():
+    assert set(RULES) == set(TYPES)
+    for name, rules in RULES.items():
+        kind = {"kind": rules.kinds[0]} if rules.kinds else {}
+        check_schema({**DESIGN, "elements": [{"name": "x", "type": name, "points": [[0, 0, 0]], **kind}]})
+
+
+def test_a_still_element_changes_at_as_many_lambdas_as_it_likes():
+    data = changed(points=[[0, 0, 1]], lam=[0, 0.2, 0.9], strength=[0, 0.3, 0])
+    (eye,) = Design.from_json(data).elements
+    assert eye.strength == (0.0, 0.3, 0.0)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -73,13 +112,31 @@ def test_knows_every_kind(kind):
 @pytest.mark.parametrize(
     ("data", "said"),
     [
-        ([], 'schema: is None: a design says "schema": "stormfield.design/1"'),
-        ({**DESIGN, "schema": "stormfield.design/2"}, "schema: is 'stormfield.design/2'"),
-        ({"schema": "stormfield.design/1"}, "design: elements is missing: add it"),
+        ([], 'schema: is None: a design says "schema": "stormfield.design/2"'),
+        ({**DESIGN, "schema": "stormfield.design/3"}, "schema: is 'stormfield.design/3'"),
+        ({"schema": "stormfield.design/2"}, "design: elements is missing: add it"),
         ({**DESIGN, "colour": 1}, "design: colour is not known: remove it, or use one of schema, mesh"),
         (changed(kind="whirl"), 'elements[0].kind: is "whirl": use one of source, sink, saddle'),
         (changed(type="swirl"), 'elements[0].type: is "swirl": use one of singular'),
-        (changed(radius=0), "elements[0].radius: is 0: give a number above 0 (element 'eye')"),
+        (changed(radius=0), "element 'eye' has radius 0: give a number above 0"),
+        (changed(radius="wide"), 'elements[0].radius: is "wide": give a number, or a list with one for each λ'),
+        (changed(strength=[0.1, 0.2, 0.3]), "element 'eye' has 3 values of strength for 2 λ: give one number, or one"),
+        (changed(strength=[0.1, -0.2]), "element 'eye' has strength -0.2: a strength never falls below 0; end the"),
+        (changed(strength=[0, 0]), "element 'eye' has strength 0 at every λ: give a number above 0 somewhere"),
+        (changed(strength=0), "element 'eye' has strength 0: give a number above 0"),
+        (changed(radius=[0.1, 0]), "element 'eye' has radius 0: give a number above 0"),
+        (changed(type="orbit", kind="attracting", pull=0), "element 'eye' has pull 0: give a number above 0"),
+        (changed(type="attachment", rate=-1), "element 'eye' has rate -1: give 0 or more"),
+        (changed(type="orbit", kind="sink"), "element 'eye' has kind 'sink': use one of attracting, repelling"),
+        (changed(type="bifurcation", kind="appear_sink"), "element 'eye' has 2 points and 2 λ: it happens at one"),
+        (
+            changed(type="bifurcation", kind="appear_sink", points=[[0, 0, 1]], lam=[1]),
+            "element 'eye' is at λ 1, the end of the range: move it inside",
+        ),
+        (changed(reach=0), "elements[0].reach: is 0: give a number above 0"),
+        (changed(type="brush", mode="rake"), 'elements[0].mode: is "rake": use one of replace, add, strength, smooth'),
+        (changed(type="brush", falloff=2), "elements[0].falloff: is 2: give at most 1"),
+        (changed(fade_in=2), "elements[0].fade_in: is 2: give at most 1"),
         (changed(lam=[0, 2]), "elements[0].lam[1]: is 2: give at most 1 (element 'eye')"),
         (changed(points=[[0, 0]]), "elements[0].points[0]: has 2 values: give at least 3 (element 'eye')"),
         (changed(points="x"), "elements[0].points: is \"x\": give a value of type array (element 'eye')"),
@@ -92,6 +149,7 @@ def test_knows_every_kind(kind):
         ({**DESIGN, "elements": [EYE, EYE]}, "two elements are named 'eye': give each its own name"),
         ({**DESIGN, "settings": {"samples": 0}}, "settings.samples: is 0: give at least 1"),
         ({**DESIGN, "settings": {"even_speed": 2}}, "settings.even_speed: is 2: give at most 1"),
+        ({**DESIGN, "settings": {"border": "dam"}}, 'settings.border: is "dam": use one of open, wall, inflow'),
         ({**DESIGN, "mesh": {"vertices": []}}, "mesh: is neither"),
         (changed(**{"kind": None}), "elements[0].kind: is null: use one of"),
     ],

@@ -20,7 +20,7 @@ import pytest
 import stormfield_native as core
 from stormfield import native
 from stormfield.bake.task import ExrSettings, FlowSettings, MorseSettings, VdbSettings
-from stormfield.model import design, words
+from stormfield.model import design, element_types, words
 from stormfield.model.errors import InputError
 
 LENGTH = r"(?:\.\.\.|[a-z]|\d+|height|width|last - first)(?: \+ \d)?"
@@ -156,8 +156,12 @@ def literal(annotation: ast.expr | None) -> tuple[str, ...]:
 @pytest.mark.parametrize(
     ("place", "parameter", "known"),
     [
-        ("DesignElement.__init__", "type", design.ElementType),
-        ("DesignElement.__init__", "kind", design.SingularKind),
+        ("DesignElement.__init__", "type", element_types.ElementType),
+        ("DesignElement.__init__", "kind", element_types.SingularKind),
+        ("DesignElement.__init__", "stability", element_types.OrbitKind),
+        ("DesignElement.__init__", "event", element_types.BifurcationKind),
+        ("DesignElement.__init__", "mode", element_types.BrushMode),
+        ("solve_design", "border", design.Border),
         ("morse", "method", words.MorseMethod),
         ("FlowMap.image", "basis", words.FlowMapBasis),
         ("FixedPoint.kind", None, words.FixedPointKind),

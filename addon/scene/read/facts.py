@@ -92,6 +92,19 @@ def keys_of(owner: bpy.types.ID) -> Iterator[object]:
         yield driver.data_path, driver.driver.expression
 
 
+def element_keys(obj: bpy.types.Object, element) -> Iterator[tuple[str, object]]:
+    """Name and keys, or expression, of each animated setting of an element."""
+    if obj.animation_data is None:
+        return
+    path = f"{element.path_from_id()}."
+    for curve in compat.fcurves(obj):
+        if curve.data_path.startswith(path):
+            yield curve.data_path.removeprefix(path), [tuple(key.co) for key in curve.keyframe_points]
+    for driver in obj.animation_data.drivers:
+        if driver.data_path.startswith(path):
+            yield driver.data_path.removeprefix(path), driver.driver.expression
+
+
 def digest(*parts: object) -> str:
     found = hashlib.blake2b(digest_size=12)
     for part in _flat(parts):

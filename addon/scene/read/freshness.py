@@ -15,7 +15,7 @@ from mathutils import Matrix
 
 from ...model.words import Json
 from .edits import facts
-from .facts import all_keys, digest, keys_of, names_of, shape_of, values_of
+from .facts import all_keys, digest, element_keys, keys_of, names_of, shape_of, values_of
 from .mesh import corner_vertices
 
 #: Form of what is read; another number makes earlier readings unknown.
@@ -29,12 +29,16 @@ SAME_PLACE = 1e-5
 
 def read(obj: bpy.types.Object, mesh: str | None = None) -> dict[str, Json]:
     """mesh, settings: digests; elements: one entry for each that is turned on. mesh: its digest where it is known."""
+    elements = [element for element in obj.stormfield.elements if element.enabled]
+    entries = [element_entry(obj, element) for element in elements]
+    strokes = [entry for entry, element in zip(entries, elements, strict=True) if element.type == "brush"]
     return {
         "names": names_digest(obj),
         "mesh": mesh or mesh_digest(obj.data),
         "settings": settings_digest(obj),
         "size": max(obj.dimensions[:]),
-        "elements": [element_entry(obj, element) for element in obj.stormfield.elements if element.enabled],
+        "elements": entries,
+        "strokes": [f"{entry['settings']} {entry['shape']}" for entry in strokes],
         "edits": edits_digests(obj),
     }
 
@@ -68,6 +72,8 @@ def changes(before: dict[str, Json], now: dict[str, Json]) -> list[str]:
         old = known.pop(element["name"], None)
         found.append(f"'{element['name']}' was {_how(old, element)}")
     found += [f"'{name}' was removed or turned off" for name in known]
+    if not found and before.get("strokes", NO_EDITS) != now["strokes"]:
+        found.append("brush strokes were put in another order")
     if before.get("edits", NO_EDITS) != now["edits"]:
         found.append("edits were changed")
     return found
@@ -107,7 +113,10 @@ def _same(old, new, slack: float) -> bool:
 def element_entry(obj: bpy.types.Object, element) -> dict[str, Json]:
     """settings, shape: digests; place: numbers of the matrix from the source to the mesh, where nothing moves it."""
     source = element.source
-    entry: dict[str, Json] = {"name": element.name, "settings": digest(values_of(element))}
+    animated = list(element_keys(obj, element))
+    held = values_of(element, frozenset(name for name, _ in animated))  # the others follow from their keys
+    settings = digest(held, *animated, *keys_of(obj)) if animated else digest(held)
+    entry: dict[str, Json] = {"name": element.name, "settings": settings}
     if source is None:
         return {**entry, "shape": "", "place": []}
     keys = list(all_keys(source))

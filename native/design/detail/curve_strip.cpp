@@ -1,6 +1,7 @@
 #include "design/detail/curve_strip.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <queue>
 
@@ -22,11 +23,14 @@ OnCurve onSegment(const std::vector<Vec3>& curve, std::size_t k, const Vec3& x) 
   return {k, fraction, (x - curve[k] - fraction * along).norm()};
 }
 
-OnCurve closestFrom(const std::vector<Vec3>& curve, std::size_t start, const Vec3& x) {
+OnCurve closestFrom(const std::vector<Vec3>& curve, bool closed, std::size_t start, const Vec3& x) {
+  const std::ptrdiff_t segments = static_cast<std::ptrdiff_t>(curve.size()) - 1;
   OnCurve best = onSegment(curve, start, x);
   for (const int step : {1, -1}) {
-    for (std::ptrdiff_t k = static_cast<std::ptrdiff_t>(start) + step;
-         k >= 0 && k + 1 < static_cast<std::ptrdiff_t>(curve.size()); k += step) {
+    for (std::ptrdiff_t count = 1; count < segments; ++count) {
+      std::ptrdiff_t k = static_cast<std::ptrdiff_t>(start) + step * count;
+      if (closed) k = (k + segments) % segments;
+      if (k < 0 || k >= segments) break;
       const OnCurve next = onSegment(curve, static_cast<std::size_t>(k), x);
       if (next.distance > best.distance) break;
       best = next;
@@ -36,10 +40,13 @@ OnCurve closestFrom(const std::vector<Vec3>& curve, std::size_t start, const Vec
 }
 
 /// Central differences over the fine samples, unit.
-std::vector<Vec3> tangents(const std::vector<Vec3>& curve) {
+std::vector<Vec3> tangents(const std::vector<Vec3>& curve, bool closed) {
+  const std::size_t last = curve.size() - 1;
   std::vector<Vec3> result(curve.size());
-  for (std::size_t k = 0; k < curve.size(); ++k)
-    result[k] = (curve[std::min(k + 1, curve.size() - 1)] - curve[k > 0 ? k - 1 : 0]).normalized();
+  for (std::size_t k = 0; k <= last; ++k) {
+    const std::size_t before = k > 0 ? k - 1 : closed ? last - 1 : 0, after = k < last ? k + 1 : closed ? 1 : last;
+    result[k] = (curve[after] - curve[before]).normalized();
+  }
   return result;
 }
 
@@ -56,7 +63,7 @@ Vec3 rotated(const Vec3& a, const Vec3& from, const Vec3& to) {
 std::vector<StripEntry> curveStrip(const VertexCharts& charts, const SurfacePath& path, double halfWidth) {
   const TriangleMesh& mesh = charts.mesh();
   const std::vector<Vec3>& curve = path.positions();
-  const std::vector<Vec3> direction = tangents(curve);
+  const std::vector<Vec3> direction = tangents(curve, path.closed());
   struct Reached {
     OnCurve foot;
     bool onCurve = false, finished = false;
@@ -65,7 +72,7 @@ std::vector<StripEntry> curveStrip(const VertexCharts& charts, const SurfacePath
   using Item = std::pair<double, Index>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
   const auto reach = [&](Index v, std::size_t start, bool onCurve) {
-    const OnCurve foot = closestFrom(curve, start, mesh.point(v));
+    const OnCurve foot = closestFrom(curve, path.closed(), start, mesh.point(v));
     if (!onCurve && foot.distance >= halfWidth) return;
     const auto [it, isNew] = reached.try_emplace(v, Reached{foot, onCurve});
     it->second.onCurve = it->second.onCurve || onCurve;
@@ -95,7 +102,14 @@ std::vector<StripEntry> curveStrip(const VertexCharts& charts, const SurfacePath
     const Vec3 along = (1.0 - at.foot.fraction) * direction[k] + at.foot.fraction * direction[k + 1];
     const Vec3 normal = mesh.faceNormal(path.points()[at.foot.fraction < 0.5 ? k : k + 1].face);
     const Complex tangent = charts.toTangent(v, rotated(along, normal, charts.normal(v)));
-    if (std::abs(tangent) > 0.0) strip.push_back({v, at.foot.distance, tangent / std::abs(tangent), at.onCurve});
+    if (!(std::abs(tangent) > 0.0)) continue;
+    const Complex unit = tangent / std::abs(tangent);
+    const Vec3 foot = curve[k] + at.foot.fraction * (curve[k + 1] - curve[k]);
+    const double left = (std::conj(unit) * charts.toTangent(v, mesh.point(v) - foot)).imag();
+    const bool beyond = !path.closed() && ((k == 0 && at.foot.fraction == 0.0) ||
+                                           (k + 2 == curve.size() && at.foot.fraction == 1.0));
+    const double offset = beyond ? left : std::copysign(at.foot.distance, left);
+    strip.push_back({v, at.foot.distance, offset, unit, at.onCurve});
   }
   return strip;
 }

@@ -12,6 +12,7 @@ namespace stormfield {
 struct StripEntry {
   Index vertex = kNone;
   double distance = 0.0;  ///< from the closest point of the curve, mesh units
+  double offset = 0.0;    ///< the part of it across the curve: positive to the left, seen from outside
   Complex direction;      ///< unit tangent of the curve there, in the chart of the vertex
   bool onCurve = false;   ///< corner of a face the curve runs through
 };

@@ -75,7 +75,8 @@ std::vector<Junction> findJunctions(const std::vector<DesignElement>& elements, 
     junction.lambda = seed.lambda;
     std::vector<PathEnd*> members;
     for (PathEnd& end : ends) {
-      const double radius = std::min(elements[seed.element].radius, elements[end.element].radius);
+      const double radius =
+          std::min(radiusAt(elements[seed.element], seed.lambda), radiusAt(elements[end.element], end.lambda));
       const bool isSeed = &end == &seed;
       if (!isSeed && (end.used || end.element == seed.element || std::abs(end.lambda - seed.lambda) > kSameLambda ||
                       (end.point - seed.point).norm() > std::max(meanEdgeLength, 0.25 * radius)))

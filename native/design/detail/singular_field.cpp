@@ -15,13 +15,13 @@ Complex singularValue(const SingularState& state, const LogMapEntry& entry) {
   return speed * rotation(state.kind) * entry.arrival;
 }
 
-double axisAngle(const VertexCharts& charts, const DesignElement& element, Index f) {
+double axisAngle(const VertexCharts& charts, const DesignElement& element, Index f, double lambda) {
   constexpr double kAlmostNormal = 0.05;
   const Vec3 given = element.direction.value_or(Vec3::UnitX()).normalized();
   Complex reference = charts.spaceToFace(f, given);
   if (std::abs(reference) < kAlmostNormal) reference = charts.spaceToFace(f, Vec3::UnitY());
   if (std::abs(reference) < kAlmostNormal) reference = charts.spaceToFace(f, Vec3::UnitZ());
-  return std::arg(reference) + element.angle;
+  return std::arg(reference) + angleAt(element, lambda);
 }
 
 }  // namespace stormfield

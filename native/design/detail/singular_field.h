@@ -27,7 +27,7 @@ double speedProfile(double distance, double core);
 Complex singularValue(const SingularState& state, const LogMapEntry& entry);
 
 /// Angle, in the flat frame of face f, of the element's reference direction (the object's x axis by default, its y axis
-/// where x is normal to the surface) rotated by its angle.
-double axisAngle(const VertexCharts& charts, const DesignElement& element, Index f);
+/// where x is normal to the surface) rotated by its angle at lambda.
+double axisAngle(const VertexCharts& charts, const DesignElement& element, Index f, double lambda);
 
 }  // namespace stormfield

@@ -119,17 +119,18 @@ void SingularTargets::findAxis(SingularTrack& a, SingularTrack& b, const Junctio
   b.axis = -axis;
 }
 
-SingularState SingularTargets::stateOf(Index element, const SurfacePoint& point) const {
+SingularState SingularTargets::stateOf(Index element, const SurfacePoint& point, double lambda) const {
   const DesignElement& e = elements_[element];
-  return {point, e.kind, e.strength * charts_.mesh().size(), e.radius, axisAngle(charts_, e, point.face)};
+  return {point, e.kind, strengthAt(e, lambda) * charts_.mesh().size(), radiusAt(e, lambda),
+          axisAngle(charts_, e, point.face, lambda)};
 }
 
 std::vector<SingularTargets::ActiveElement> SingularTargets::activeAt(double lambda, double step) const {
   std::vector<ActiveElement> active;
   for (const SingularTrack& track : tracks_) {
-    const double share = track.span.share(lambda, step);
+    const double share = track.span.share(lambda, step) * holdAt(elements_[track.element], lambda);
     if (!(share > 0.0)) continue;
-    active.push_back({&track, stateOf(track.element, track.path.at(lambda)), share});
+    active.push_back({&track, stateOf(track.element, track.path.at(lambda), lambda), share});
   }
   return active;
 }
@@ -184,7 +185,7 @@ void SingularTargets::addDisc(const ActiveElement& active, double share, LogMapS
   }
 }
 
-double SingularTargets::addPair(ActiveElement a, ActiveElement b, LogMapScratch& scratch,
+double SingularTargets::addPair(ActiveElement a, ActiveElement b, double lambda, LogMapScratch& scratch,
                                 std::vector<Target>& targets) const {
   const TriangleMesh& mesh = charts_.mesh();
   const double edge = std::min(meanEdge(mesh, a.state.point.face), mesh.meanEdgeLength());
@@ -196,7 +197,7 @@ double SingularTargets::addPair(ActiveElement a, ActiveElement b, LogMapScratch&
     a.state.point = placed->a;
     b.state.point = placed->b;
   }
-  SingularPair pair{a.state, b.state, stateOf(a.track->single, a.state.point), 0.0};
+  SingularPair pair{a.state, b.state, stateOf(a.track->single, a.state.point, lambda), 0.0};
   const double touching = a.state.radius + b.state.radius;
   if (chord >= touching) return 1.0;
   const double largest = std::max({a.state.radius, b.state.radius, pair.single.radius});
@@ -230,7 +231,7 @@ void SingularTargets::addAt(double lambda, double step, LogMapScratch& scratch, 
   for (std::size_t i = 0; i < active.size(); ++i)
     for (std::size_t j = i + 1; j < active.size(); ++j)
       if (active[i].track->partner != kNone && &tracks_[active[i].track->partner] == active[j].track)
-        alone[i] = alone[j] = addPair(active[i], active[j], scratch, targets);
+        alone[i] = alone[j] = addPair(active[i], active[j], lambda, scratch, targets);
   for (std::size_t i = 0; i < active.size(); ++i)
     if (alone[i] > 0.0) addDisc(active[i], alone[i] * active[i].share, scratch, targets);
 }

@@ -44,13 +44,14 @@ class SingularTargets {
 
   SingularTrack makeTrack(Index element, const std::vector<Junction>& junctions) const;
   void findAxis(SingularTrack& a, SingularTrack& b, const Junction& junction) const;
-  SingularState stateOf(Index element, const SurfacePoint& point) const;
+  SingularState stateOf(Index element, const SurfacePoint& point, double lambda) const;
   std::vector<ActiveElement> activeAt(double lambda, double step) const;
   void shrinkOverlapping(std::vector<ActiveElement>& active, double lambda, LogMapScratch& scratch) const;
   double distanceBetween(const SingularState& a, const SingularState& b, LogMapScratch& scratch) const;
   void addDisc(const ActiveElement& active, double share, LogMapScratch& scratch, std::vector<Target>& targets) const;
   /// Adds the joint field of a pair; returns the share that is left for each element alone.
-  double addPair(ActiveElement a, ActiveElement b, LogMapScratch& scratch, std::vector<Target>& targets) const;
+  double addPair(ActiveElement a, ActiveElement b, double lambda, LogMapScratch& scratch,
+                 std::vector<Target>& targets) const;
   double density(double radius) const;
 
   const VertexCharts& charts_;

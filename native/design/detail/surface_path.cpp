@@ -12,9 +12,9 @@ namespace {
 constexpr std::size_t kMaxPiecesPerSegment = 4096;
 
 void checkOnSurface(const DesignElement& element, std::size_t i, double distance) {
-  if (distance <= element.radius) return;
+  if (distance <= element.radius.largest()) return;
   throw InputError(describe(element) + " point " + std::to_string(i) + " lies " + shortNumber(distance) +
-                   " off the surface, farther than its radius " + shortNumber(element.radius) +
+                   " off the surface, farther than its radius " + shortNumber(element.radius.largest()) +
                    ": move it onto the surface or enlarge the radius");
 }
 
@@ -35,10 +35,12 @@ SurfacePath::SurfacePath(const TriangleMesh& mesh, const ClosestPointQuery& quer
     : query_(&query) {
   // The second point of a regular element is the tip of its arrow, not a place.
   const std::size_t places = element.type == ElementType::Regular ? 1 : element.points.size();
+  closed_ = element.type == ElementType::Orbit;
+  const std::size_t stops = closed_ && element.points.front() != element.points.back() ? places + 1 : places;
   std::vector<std::size_t> drawnAt;
-  for (std::size_t i = 0; i < places; ++i) {
-    const ClosestPoint drawn = query.closest(element.points[i]);
-    checkOnSurface(element, i, drawn.distance);
+  for (std::size_t i = 0; i < stops; ++i) {
+    const ClosestPoint drawn = query.closest(element.points[i % places]);
+    checkOnSurface(element, i % places, drawn.distance);
     const Vec3 target = position(mesh, drawn.point);
     if (i > 0) {
       const Vec3 from = positions_.back();
@@ -56,11 +58,10 @@ SurfacePath::SurfacePath(const TriangleMesh& mesh, const ClosestPointQuery& quer
   }
   arc_.assign(points_.size(), 0.0);
   for (std::size_t k = 1; k < points_.size(); ++k) arc_[k] = arc_[k - 1] + (positions_[k] - positions_[k - 1]).norm();
-  const bool curve = element.type == ElementType::Streamline || element.type == ElementType::Pathline;
-  if (curve && !(length() > 0.0))
+  if (isCurve(element) && !(length() > 0.0))
     throw InputError(describe(element) + " shrinks to one point on the surface: draw it longer");
 
-  moves_ = places > 1 && element.type != ElementType::Streamline;
+  moves_ = stormfield::moves(element);
   if (!moves_) {
     lambda_ = {element.lambdas.front(), element.lambdas.back()};
     return;

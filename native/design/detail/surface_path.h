@@ -22,6 +22,8 @@ class SurfacePath {
   double start() const { return lambda_.front(); }
   double end() const { return lambda_.back(); }
   bool moves() const { return moves_; }
+  /// The last fine sample is the first again.
+  bool closed() const { return closed_; }
 
   /// The fine samples: points on the surface, their positions and arc lengths.
   const std::vector<SurfacePoint>& points() const { return points_; }
@@ -39,7 +41,7 @@ class SurfacePath {
   std::vector<Vec3> positions_;
   std::vector<double> arc_;
   std::vector<double> lambda_;  ///< one per fine sample when the path moves, otherwise start and end
-  bool moves_ = false;
+  bool moves_ = false, closed_ = false;
 };
 
 }  // namespace stormfield

@@ -153,7 +153,7 @@ TEST(Elements, StreamlineIsFollowed) {
   const DesignElement element = changed(curve("c", ElementType::Streamline, points), [](auto& e) { e.radius = 0.15; });
   const auto result = storms::solved(charts, {element}, 3);
   const ClosestPointQuery query(charts->meshPointer());
-  const double speed = element.strength * charts->mesh().size();
+  const double speed = element.strength.largest() * charts->mesh().size();
   for (int i = 2; i < 28; ++i) {
     const Vec3 tangent(-std::sin(0.1 * i), std::cos(0.1 * i), 0.0);
     const Vec3 v = evaluate(sampleField(result.field, 1), query.closest(points[i]).point);
@@ -182,7 +182,7 @@ TEST(Elements, ArrowIsCarriedAlongGeodesics) {
   ElementOptions options;
   options.samples = 1;
   const ConstraintSet set = elementConstraints(charts, {arrow}, options);
-  const Vec3 wanted = arrow.strength * charts->mesh().size() * Vec3(1, 2, 0).normalized();
+  const Vec3 wanted = arrow.strength.largest() * charts->mesh().size() * Vec3(1, 2, 0).normalized();
   for (std::size_t i = 0; i < set.size(); ++i)
     EXPECT_LT((charts->toSpace(set.vertex[i], set.value[i]) - wanted).norm(), 0.03 * wanted.norm());
 }
