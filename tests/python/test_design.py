@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from stormfield.model.design import Design, Element, SolveSettings, check_schema
 from stormfield.model.element_types import BRUSH_MODES, KINDS, OVER_LAMBDA, RULES, TYPES
@@ -78,6 +78,7 @@ any_type = st.builds(
 )
 
 
+@settings(deadline=None)
 @given(st.lists(one_of_a_type(), min_size=1, max_size=4, unique_by=lambda e: e.name))
 def test_json_round_trip(some):
     design = Design(tuple(some), SolveSettings(samples=7, even_speed=0.5))

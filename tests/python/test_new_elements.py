@@ -2,6 +2,7 @@
 """Orbits, bifurcations, brush strokes and changing numbers from JSON to the solved field, as the command line goes."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from stormfield import native
 from stormfield.cli import main
 from stormfield.model.design import Design
 from stormfield.model.errors import InputError
+from stormfield.model.mesh_data import MeshData
 from stormfield.solve import solve
 from test_solve import sphere
 
@@ -68,6 +70,23 @@ def test_a_field_with_strokes_alone_is_the_other_one_with_them():
     assert np.any(fields["orientation"].values != fields["advection"].values)
     with pytest.raises(InputError, match="only brush strokes"):
         solve(MESH, design(BRUSH))
+
+
+def test_nothing_crosses_a_border_that_is_a_wall():
+    axis = np.linspace(-1.0, 1.0, 21)
+    places = np.stack([*np.meshgrid(axis, axis), np.zeros((21, 21))], axis=-1).reshape(-1, 3)
+    corners = np.arange(20 * 21).reshape(20, 21)[:, :-1].ravel()
+    quads = np.stack([corners, corners + 1, corners + 22, corners + 21], axis=1)
+    mesh = MeshData(places, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
+    river = {"name": "river", "type": "streamline", "points": [[-0.5, 0, 0], [0.5, 0.2, 0]], "radius": 0.2}
+    crossing = {}
+    for border in ("open", "wall"):
+        plain = design(river, samples=2)
+        solution = solve(mesh, replace(plain, settings=replace(plain.settings, border=border)))
+        vectors = solution.fields["advection"].sample(0).to_space()
+        right = (places[:, 0] == 1.0) & (np.abs(places[:, 1]) < 1.0)
+        crossing[border] = np.abs(vectors[right, 0]).max()
+    assert crossing["wall"] < 1e-9 < 0.05 < crossing["open"]
 
 
 @pytest.mark.parametrize(
