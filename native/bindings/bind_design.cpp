@@ -31,8 +31,8 @@ DesignElement makeElement(const std::string& name, ElementType type, const Array
                           const std::vector<double>& lam, SingularKind kind, const Numbers& strength,
                           const Numbers& radius, const Numbers& angle,
                           const std::optional<std::array<double, 3>>& direction, bool hard, const Numbers& rate,
-                          OrbitStability stability, bool reverse, double fadeIn, double fadeOut,
-                          BifurcationEvent event, double reach, BrushMode mode, double falloff) {
+                          OrbitStability stability, bool reverse, double fadeIn, double fadeOut, BifurcationEvent event,
+                          double reach, BrushMode mode, double falloff) {
   DesignElement element;
   element.name = name;
   element.type = type;
@@ -129,23 +129,23 @@ ConstraintSet constraintsOf(const MeshPointer& mesh, const std::vector<DesignEle
 void bind_design(py::module_& m) {
   const DesignElement element;
   py::class_<DesignElement>(m, "DesignElement", py::module_local(), "What an artist places (thesis 5.2). Immutable.")
-      .def(py::init(&makeElement), py::arg("name"), py::arg("type"), py::arg("points"),
-           py::arg("lam") = element.lambdas, py::arg("kind") = element.kind,
-           py::arg("strength") = element.strength.values(), py::arg("radius") = element.radius.values(),
-           py::arg("angle") = element.angle.values(), py::arg("direction") = py::none(),
-           py::arg("hard") = element.hard, py::arg("rate") = element.rate.values(),
-           py::arg("stability") = element.stability, py::arg("reverse") = element.reverse,
-           py::arg("fade_in") = element.fadeIn, py::arg("fade_out") = element.fadeOut,
-           py::arg("event") = element.event, py::arg("reach") = element.reach,
-           py::arg("mode") = element.mode, py::arg("falloff") = element.falloff,
-           "points: (k, 3) float64, object space. lam: one lambda per point, or start and end. kind: of singular\n"
-           "elements. strength: mesh sizes per second. radius: mesh units. angle: radians, of a saddle's outflow or an\n"
-           "arrow from direction (3 numbers). hard: whether the inner third of the region is met exactly. rate: 1/s, of\n"
-           "attachment, separation and orbits. stability, reverse: of orbits. fade_in, fade_out: lengths of lambda.\n"
-           "event: what a bifurcation makes happen, reach: lambda from it until its pair or orbit has its full size.\n"
-           "mode: of a brush, falloff: part of its radius over which it fades.\n"
-           "strength, radius, angle and rate hold one number, or one for each lam. Raises InputError for an unknown\n"
-           "word and for points of another shape.")
+      .def(
+          py::init(&makeElement), py::arg("name"), py::arg("type"), py::arg("points"), py::arg("lam") = element.lambdas,
+          py::arg("kind") = element.kind, py::arg("strength") = element.strength.values(),
+          py::arg("radius") = element.radius.values(), py::arg("angle") = element.angle.values(),
+          py::arg("direction") = py::none(), py::arg("hard") = element.hard, py::arg("rate") = element.rate.values(),
+          py::arg("stability") = element.stability, py::arg("reverse") = element.reverse,
+          py::arg("fade_in") = element.fadeIn, py::arg("fade_out") = element.fadeOut, py::arg("event") = element.event,
+          py::arg("reach") = element.reach, py::arg("mode") = element.mode, py::arg("falloff") = element.falloff,
+          "points: (k, 3) float64, object space. lam: one lambda per point, or start and end. kind: of singular\n"
+          "elements. strength: mesh sizes per second. radius: mesh units. angle: radians, of a saddle's outflow or an\n"
+          "arrow from direction (3 numbers). hard: whether the inner third of the region is met exactly. rate: 1/s, "
+          "of\n"
+          "attachment, separation and orbits. stability, reverse: of orbits. fade_in, fade_out: lengths of lambda.\n"
+          "event: what a bifurcation makes happen, reach: lambda from it until its pair or orbit has its full size.\n"
+          "mode: of a brush, falloff: part of its radius over which it fades.\n"
+          "strength, radius, angle and rate hold one number, or one for each lam. Raises InputError for an unknown\n"
+          "word and for points of another shape.")
       .def_readonly("name", &DesignElement::name, "Unique in its design; messages speak of it.");
 
   m.def(

@@ -51,8 +51,9 @@ void checkRate(const DesignElement& element) {
   checkFinite(element, element.rate, orbit ? "a pull" : "a rate");
   if (element.rate.least() < 0.0 || (orbit && element.rate.least() == 0.0))
     throw InputError(describe(element) + " has " + (orbit ? "pull " : "rate ") + shortNumber(element.rate.least()) +
-                     ": give " + (orbit ? "a number above 0, and choose attracting or repelling"
-                                        : "0 or more, and choose attachment or separation"));
+                     ": give " +
+                     (orbit ? "a number above 0, and choose attracting or repelling"
+                            : "0 or more, and choose attachment or separation"));
 }
 
 void checkBifurcation(const DesignElement& element) {
@@ -171,8 +172,7 @@ bool isCurve(const DesignElement& element) {
 }
 
 bool moves(const DesignElement& element) {
-  return element.points.size() > 1 &&
-         (element.type == ElementType::Singular || element.type == ElementType::Pathline);
+  return element.points.size() > 1 && (element.type == ElementType::Singular || element.type == ElementType::Pathline);
 }
 
 double signedRateAt(const DesignElement& element, double lambda) {

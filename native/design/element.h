@@ -21,8 +21,7 @@ enum class ElementType { Singular, Regular, Streamline, Pathline, Attachment, Se
 template <>
 inline constexpr Words kWords<ElementType>{
     "type of element",
-    {"singular", "regular", "streamline", "pathline", "attachment", "separation", "orbit", "bifurcation",
-     "brush"}};
+    {"singular", "regular", "streamline", "pathline", "attachment", "separation", "orbit", "bifurcation", "brush"}};
 
 enum class SingularKind {
   Source,
@@ -82,7 +81,7 @@ struct DesignElement {
   std::vector<double> lambdas = {0.0, 1.0};  ///< one per point, or {start, end}, or {instant}
   OverLambda strength = 0.2;                 ///< speed away from the centre, mesh sizes per second (not for pathlines)
   OverLambda radius = 0.1;                   ///< of the region, or half width of a curve's strip; mesh units
-  OverLambda angle = 0.0;                    ///< of a saddle's outflow axis, or of an arrow, from the reference direction
+  OverLambda angle = 0.0;         ///< of a saddle's outflow axis, or of an arrow, from the reference direction
   std::optional<Vec3> direction;  ///< reference direction of the angle, or of an arrow with one point
   bool hard = false;              ///< the inner third of the region is met exactly
   /// 1/s: flow at distance d from an attachment, separation or orbit nears or leaves it at the speed rate * d.
@@ -91,9 +90,9 @@ struct DesignElement {
   /// An orbit turns against the order of its points; what a Hopf bifurcation sheds turns clockwise.
   bool reverse = false;
   BifurcationEvent event = BifurcationEvent::AppearSink;  ///< bifurcations only, which have one point and one lambda
-  BrushMode mode = BrushMode::Replace;  ///< brush strokes only
-  double falloff = 0.5;                 ///< of a brush: part of the radius over which it fades, 0 a hard edge
-  double reach = 0.2;  ///< of a bifurcation: lambda from the event until its pair or orbit has its full size
+  BrushMode mode = BrushMode::Replace;                    ///< brush strokes only
+  double falloff = 0.5;  ///< of a brush: part of the radius over which it fades, 0 a hard edge
+  double reach = 0.2;    ///< of a bifurcation: lambda from the event until its pair or orbit has its full size
   /// Lengths of lambda inside of the element's life over which its strength grows from 0, and falls to 0.
   double fadeIn = 0.0, fadeOut = 0.0;
 };

@@ -54,7 +54,8 @@ BifurcationTargets::BifurcationTargets(const TargetContext& context, const Desig
   map_ = logMap(context.charts, path_.points().front(), radius, scratch);
   for (const LogMapEntry& entry : map_.entries)
     if (mesh.isBoundaryVertex(entry.vertex))
-      throw InputError(describe(element) + " reaches the border of the surface, over which points could come and go: "
+      throw InputError(describe(element) +
+                       " reaches the border of the surface, over which points could come and go: "
                        "move it inside by its radius, or make the radius smaller");
   axis_ = axisAngle(context.charts, element, map_.source.face, element.lambdas.front());
   seen_ = hopf_ ? seenTrace(mesh) : seenSquare(mesh);

@@ -106,8 +106,8 @@ std::vector<StripEntry> curveStrip(const VertexCharts& charts, const SurfacePath
     const Complex unit = tangent / std::abs(tangent);
     const Vec3 foot = curve[k] + at.foot.fraction * (curve[k + 1] - curve[k]);
     const double left = (std::conj(unit) * charts.toTangent(v, mesh.point(v) - foot)).imag();
-    const bool beyond = !path.closed() && ((k == 0 && at.foot.fraction == 0.0) ||
-                                           (k + 2 == curve.size() && at.foot.fraction == 1.0));
+    const bool beyond =
+        !path.closed() && ((k == 0 && at.foot.fraction == 0.0) || (k + 2 == curve.size() && at.foot.fraction == 1.0));
     const double offset = beyond ? left : std::copysign(at.foot.distance, left);
     strip.push_back({v, at.foot.distance, offset, unit, at.onCurve});
   }

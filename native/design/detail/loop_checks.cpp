@@ -32,16 +32,15 @@ bool crosses(const Piece& a, const Piece& b) {
   const auto flat = [&](const Vec3& p) { return Eigen::Vector2d((p - a.from).dot(x), (p - a.from).dot(y)); };
   const Eigen::Vector2d end = flat(a.to), from = flat(b.from), to = flat(b.to);
   const auto opposite = [](double one, double other) { return (one > 0.0) != (other > 0.0); };
-  return opposite(cross(end, from), cross(end, to)) &&
-         opposite(cross(to - from, -from), cross(to - from, end - from));
+  return opposite(cross(end, from), cross(end, to)) && opposite(cross(to - from, -from), cross(to - from, end - from));
 }
 
 std::vector<Piece> piecesOf(const TriangleMesh& mesh, const SurfacePath& path) {
   std::vector<Piece> pieces;
   for (std::size_t k = 0; k + 1 < path.positions().size(); ++k)
     if (path.arc()[k + 1] > path.arc()[k])
-      pieces.push_back({path.positions()[k], path.positions()[k + 1], mesh.faceNormal(path.points()[k].face),
-                        path.arc()[k]});
+      pieces.push_back(
+          {path.positions()[k], path.positions()[k + 1], mesh.faceNormal(path.points()[k].face), path.arc()[k]});
   return pieces;
 }
 

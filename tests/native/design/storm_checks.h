@@ -107,8 +107,9 @@ inline std::size_t checkSample(const SpaceTimeResult& result, const std::vector<
   std::size_t nearby = 0;
   int sum = 0;
   for (const FixedPoint& p : found) {
-    nearby += std::any_of(places.begin(), places.end(),
-                          [&](const Vec3& place) { return (p.position - place).norm() < elements.front().radius.largest(); });
+    nearby += std::any_of(places.begin(), places.end(), [&](const Vec3& place) {
+      return (p.position - place).norm() < elements.front().radius.largest();
+    });
     sum += p.index;
   }
   if (mesh.boundaryLoopCount() == 0) {

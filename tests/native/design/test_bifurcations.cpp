@@ -165,12 +165,16 @@ TEST(Bifurcations, BadOnesAreRefused) {
   EXPECT_EQ(fault({changed([](auto& e) { e.lambdas = {0.02}; })}),
             "bifurcation \"b\" is at lambda 0.02, less than one sample from the end of the range: move it inside, or "
             "solve more samples");
-  EXPECT_NE(fault({changed([](auto& e) { e.points = {{0.8, 0, 0}}; })}).find("reaches the border of the surface"),
+  EXPECT_NE(fault({changed([](auto& e) {
+              e.points = {{0.8, 0, 0}};
+            })}).find("reaches the border of the surface"),
             std::string::npos);
   EXPECT_NE(fault({changed([](auto& e) { e.radius = 0.1; })}).find("cannot hold two points apart"), std::string::npos);
   EXPECT_NE(fault({changed([](auto& e) { e.reach = 0.0; })}).find("has reach 0: give a length"), std::string::npos);
   EXPECT_NE(fault({changed([](auto& e) { e.reach = 0.05; })}).find("less than two samples"), std::string::npos);
-  EXPECT_NE(fault({changed([](auto& e) { e.points.push_back({0, 0, 0}); })}).find("one point and one lambda"),
+  EXPECT_NE(fault({changed([](auto& e) {
+              e.points.push_back({0, 0, 0});
+            })}).find("one point and one lambda"),
             std::string::npos);
   const DesignElement other = changed([](auto& e) { e.name = "c", e.points[0].x() += 0.2; });
   EXPECT_EQ(fault({good, other}),

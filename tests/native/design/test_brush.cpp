@@ -58,8 +58,8 @@ TEST(Brush, ChangesNothingOutsideItsFalloffAndItsLambda) {
       std::size_t changed = 0;
       for (Index j = 0; j < 21; ++j)
         for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
-          const bool outside = distanceTo(element, charts->mesh().point(v)) > 0.2 + 1e-9 ||
-                               before.lambdas[j] < 0.24 || before.lambdas[j] > 0.66;
+          const bool outside = distanceTo(element, charts->mesh().point(v)) > 0.2 + 1e-9 || before.lambdas[j] < 0.24 ||
+                               before.lambdas[j] > 0.66;
           if (outside) {
             EXPECT_EQ(after.sample(j)[v], before.sample(j)[v]);
           }
@@ -79,8 +79,8 @@ TEST(Brush, WithAHardEdgeItIsTheStroke) {
   for (Index v = 0; v < charts->mesh().vertexCount(); ++v) {
     const Vec3 p = charts->mesh().point(v);
     if (distanceTo(element, p) > 0.19 || p.x() < -0.3 || p.x() > 0.4 || std::abs(p.x()) < 0.15) continue;
-    const Vec3 along = (p.x() < 0.0 ? element.points[1] - element.points[0] : element.points[2] - element.points[1])
-                           .normalized();
+    const Vec3 along =
+        (p.x() < 0.0 ? element.points[1] - element.points[0] : element.points[2] - element.points[1]).normalized();
     EXPECT_GT(charts->toSpace(v, field.sample(0)[v]).dot(along), std::cos(5.0 * test::kPi / 180.0) * speed);
     ++inside;
   }
@@ -196,10 +196,13 @@ TEST(Brush, BadStrokesAreRefused) {
     change(element);
     return element;
   };
-  EXPECT_EQ(fault(changed(BrushMode::Add, [](auto& e) { e.falloff = 1.5; })), "brush \"comb\" has falloff 1.5: give 0 to 1");
-  EXPECT_NE(fault(changed(BrushMode::Add, [](auto& e) {
-              for (Vec3& p : e.points) p.z() = 3.0;
-            })).find("brush \"comb\" point 0 lies 3 off the surface"),
+  EXPECT_EQ(fault(changed(BrushMode::Add, [](auto& e) { e.falloff = 1.5; })),
+            "brush \"comb\" has falloff 1.5: give 0 to 1");
+  EXPECT_NE(fault(changed(BrushMode::Add,
+                          [](auto& e) {
+                            for (Vec3& p : e.points) p.z() = 3.0;
+                          }))
+                .find("brush \"comb\" point 0 lies 3 off the surface"),
             std::string::npos);
   EXPECT_EQ(fault(changed(BrushMode::Add,
                           [](auto& e) {

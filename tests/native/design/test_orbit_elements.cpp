@@ -86,8 +86,7 @@ TEST(OrbitElements, CirclesOnASphere) {
   const auto charts = test::makeCharts(test::dividedIcosahedron(14));
   for (const OrbitStability stability : kBoth)
     for (const double latitude : {0.0, 0.5, 1.0}) {
-      DesignElement element =
-          orbit("circle", loop([&](double t) { return onSphere(t, latitude); }), stability, 0.2);
+      DesignElement element = orbit("circle", loop([&](double t) { return onSphere(t, latitude); }), stability, 0.2);
       checkOrbits(charts, {element});
       element.reverse = true;
       checkOrbits(charts, {element});
@@ -99,8 +98,9 @@ TEST(OrbitElements, WavyLoops) {
   for (const OrbitStability stability : kBoth) {
     checkOrbits(charts, {orbit("waves", loop([](double t) { return onSphere(t, 0.25 * std::sin(3.0 * t)); }, 120),
                                stability, 0.15)});
-    checkOrbits(charts, {orbit("flower", loop([](double t) { return onSphere(t, 0.8 + 0.15 * std::sin(5.0 * t)); }, 160),
-                               stability, 0.15)});
+    checkOrbits(charts,
+                {orbit("flower", loop([](double t) { return onSphere(t, 0.8 + 0.15 * std::sin(5.0 * t)); }, 160),
+                       stability, 0.15)});
   }
 }
 
@@ -179,8 +179,7 @@ TEST(OrbitElements, BadLoopsAreRefused) {
   EXPECT_NE(fault(charts, {attracting(tiny)}).find("across, smaller than an edge of the mesh"), std::string::npos);
   const auto off = loop([](double t) { return Vec3(1.5 * onSphere(t, 0.0)); });
   EXPECT_NE(fault(charts, {attracting(off)}).find("orbit \"o\" point 0 lies 0.5"), std::string::npos);
-  EXPECT_EQ(fault(charts, {attracting({{1, 0, 0}, {0, 1, 0}})}),
-            "orbit \"o\" has 2 points: it needs at least 3");
+  EXPECT_EQ(fault(charts, {attracting({{1, 0, 0}, {0, 1, 0}})}), "orbit \"o\" has 2 points: it needs at least 3");
   const auto close = [](double latitude) { return loop([=](double t) { return onSphere(t, latitude); }); };
   DesignElement other = attracting(close(0.05));
   other.name = "p";
@@ -189,7 +188,8 @@ TEST(OrbitElements, BadLoopsAreRefused) {
             "the mesh");
   DesignElement still = attracting(close(0.0));
   still.rate = 0.0;
-  EXPECT_EQ(fault(charts, {still}), "orbit \"o\" has pull 0: give a number above 0, and choose attracting or repelling");
+  EXPECT_EQ(fault(charts, {still}),
+            "orbit \"o\" has pull 0: give a number above 0, and choose attracting or repelling");
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST(OverLambda, RadiusAndAngleChangeToo) {
   const auto charts = test::makeCharts(test::grid(20));
   DesignElement saddle = singular("s", SingularKind::Saddle, {{0, 0, 0}}, {0.0, 1.0}, 0.5);
   saddle.angle = std::vector<double>{0.0, 1.0};
-  saddle.radius = std::vector<double>{0.3, 0.6};
+  saddle.radius = std::vector<double>{0.33, 0.63};
   const auto result = storms::solved(charts, {saddle}, 5);
   const ClosestPointQuery query(charts->meshPointer());
   for (Index j = 0; j < 5; ++j) {
@@ -92,7 +92,7 @@ TEST(OverLambda, RadiusAndAngleChangeToo) {
   options.samples = 2;
   const ConstraintSet set = elementConstraints(charts, {saddle}, options);
   for (std::size_t i = 0; i < set.size(); ++i)
-    EXPECT_LT(charts->mesh().point(set.vertex[i]).norm(), set.sample[i] == 0 ? 0.3 : 0.6);
+    EXPECT_LT(charts->mesh().point(set.vertex[i]).norm(), set.sample[i] == 0 ? 0.33 : 0.63);
 }
 
 TEST(OverLambda, BadNumbersAreRefused) {
@@ -103,13 +103,19 @@ TEST(OverLambda, BadNumbersAreRefused) {
     return fault(element);
   };
   EXPECT_EQ(with([](auto&) {}), "");
-  EXPECT_EQ(with([](auto& e) { e.radius = std::vector<double>{1.0, 2.0}; }),
+  EXPECT_EQ(with([](auto& e) {
+              e.radius = std::vector<double>{1.0, 2.0};
+            }),
             "singular element \"eye\" has 2 values of radius for 4 lambda values: give one number, or one per lambda "
             "value");
-  EXPECT_EQ(with([](auto& e) { e.strength = std::vector<double>{0.1, -0.1, 0.1, 0.2}; }),
+  EXPECT_EQ(with([](auto& e) {
+              e.strength = std::vector<double>{0.1, -0.1, 0.1, 0.2};
+            }),
             "singular element \"eye\" has strength -0.1: a strength never falls below 0; end the element where it is 0 "
             "and begin its opposite there");
-  EXPECT_EQ(with([](auto& e) { e.strength = std::vector<double>{0.0, 0.0, 0.0, 0.0}; }),
+  EXPECT_EQ(with([](auto& e) {
+              e.strength = std::vector<double>{0.0, 0.0, 0.0, 0.0};
+            }),
             "singular element \"eye\" has strength 0 at every lambda: give a number above 0 somewhere");
   EXPECT_EQ(with([](auto& e) { e.fadeIn = 0.7, e.fadeOut = 0.6; }),
             "singular element \"eye\" fades over 1.3 of lambda, but lives for 1: make its fades shorter");
