@@ -207,16 +207,23 @@ def test_a_loop_around_suzannes_ear_becomes_its_orbit(scene, add_curve, native, 
 
 
 def ear_loop(obj):
-    """Where a plane cuts one ear off."""
-    angles = np.arange(40) * 2.0 * np.pi / 40
-    loop = []
-    for angle in angles:
-        ray = np.array([0.0, np.cos(angle), np.sin(angle)])
-        centre = np.array([1.0, 0.18, 0.25])
-        found, place, _normal, _face = obj.closest_point_on_mesh(centre + 0.22 * ray * (1, 1, 1.4))
-        assert found
-        loop.append(tuple(place))
-    return loop
+    """Where an upright plane cuts the left ear."""
+    import bmesh
+    from stormfield.scene.read.curves import chains
+
+    shape = bmesh.new()
+    shape.from_mesh(obj.data)
+    cut = bmesh.ops.bisect_plane(
+        shape, geom=[*shape.verts, *shape.edges, *shape.faces], plane_co=(1.0, 0.0, 0.0), plane_no=(1.0, 0.0, 0.0)
+    )["geom_cut"]
+    edges = [each for each in cut if isinstance(each, bmesh.types.BMEdge)]
+    places = {vertex: number for number, vertex in enumerate({v for edge in edges for v in edge.verts})}
+    points = np.array([vertex.co[:] for vertex in places])
+    lines = list(chains(points, np.array([[places[v] for v in edge.verts] for edge in edges])))
+    shape.free()
+    line = max(lines, key=len)
+    assert np.array_equal(line[0], line[-1])
+    return [tuple(point) for point in line[:-1]]
 
 
 def distances(line, points):

@@ -39,7 +39,7 @@ def _legacy_curve(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -
     holder = bpy.data.objects.new("stormfield_polyline", bare)
     try:
         mesh = holder.to_mesh()  # None for a curve without points
-        return list(_chains(*_edges(mesh))) if mesh else []
+        return list(chains(*_edges(mesh))) if mesh else []
     finally:
         holder.to_mesh_clear()
         bpy.data.objects.remove(holder)
@@ -47,7 +47,7 @@ def _legacy_curve(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -
 
 
 def _mesh_edges(evaluated: bpy.types.Object, _depsgraph: bpy.types.Depsgraph) -> list[np.ndarray]:
-    return list(_chains(*_edges(evaluated.data)))
+    return list(chains(*_edges(evaluated.data)))
 
 
 def _hair_curves(evaluated: bpy.types.Object, _depsgraph: bpy.types.Depsgraph) -> list[np.ndarray]:
@@ -79,7 +79,7 @@ def _edges(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
     return points.reshape(-1, 3), edges.reshape(-1, 2)
 
 
-def _chains(points: np.ndarray, edges: np.ndarray) -> Iterator[np.ndarray]:
+def chains(points: np.ndarray, edges: np.ndarray) -> Iterator[np.ndarray]:
     """The edges as chains: open ones from their first end, closed ones back to their first vertex."""
     neighbours: dict[int, list[int]] = {}
     for a, b in edges.tolist():
