@@ -85,7 +85,7 @@ void bind_base(py::module_& m) {
       m, "ThreadLimit", py::module_local(),
       "with ThreadLimit(count): the core uses that many threads at most, in all of the process. The\n"
       "results are the same for any number. Where limits meet, the smallest counts.")
-      .def(py::init<int>(), py::arg("count"))
+      .def(py::init<int>(), py::arg("count"), "count: of threads, at least 1. Raises InputError for fewer.")
       .def("__enter__", [](ThreadLimit& limit) { limit.enter(); })
       .def("__exit__", [](ThreadLimit& limit, const py::args&) { limit.exit(); });
 }

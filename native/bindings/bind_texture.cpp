@@ -239,10 +239,9 @@ void bindAttributes(py::module_& m) {
           py::arg("orientation"), py::arg("advection"), py::arg("first"), py::arg("count"));
   bindJob<bool>(m, "StreamFactorJob", "A factor for stream functions that is being made.",
                 [](bool) { return py::none(); })
-      .defStart(
-          m, "stream_factor", &prepareFactor,
-          "Factorizes what the stream functions of all fields on a mesh share; the mesh keeps it. Raises SolverError.",
-          py::arg("mesh"));
+      .def(m, "stream_factor", &prepareFactor,
+           "Factorizes what the stream functions of all fields on a mesh share; the mesh keeps it. Raises SolverError.",
+           py::arg("mesh"));
 }
 
 }  // namespace

@@ -162,7 +162,9 @@ void bindPath(py::module_& m) {
       .def(py::init(&pathFrom), py::kw_only(), py::arg("index"), py::arg("begin"), py::arg("end"), py::arg("strength"),
            py::arg("rotation"), py::arg("lambdas"), py::arg("faces"), py::arg("barycentric"), py::arg("positions"),
            py::arg("kinds"),
-           "A path that joins others, without margins. Raises InputError for numbers that do not fit.")
+           "A path that joins others, without margins, from its n samples: lambdas (n,) float64, faces (n,) int32,\n"
+           "barycentric and positions (n, 3) float64, kinds one word for each. Raises InputError for numbers\n"
+           "that do not fit.")
       .def_property_readonly(
           "index", [](const PathView& v) { return v.path().index; }, "Poincare index, +1 or -1.")
       .def_property_readonly(
@@ -220,7 +222,8 @@ void bindBifurcation(py::module_& m) {
   py::class_<Bifurcation>(m, "Bifurcation", py::module_local(), "Where the topology changes. Immutable.")
       .def(py::init(&bifurcationFrom), py::kw_only(), py::arg("lam"), py::arg("face"), py::arg("barycentric"),
            py::arg("position"), py::arg("kind"), py::arg("node"), py::arg("paths"),
-           "One whose paths are numbers of a list that Tracking gets with it.")
+           "One whose paths are numbers of a list that Tracking gets with it; barycentric and position (3,) float64.\n"
+           "Raises InputError where it names no path or more than two.")
       .def_readonly("lam", &Bifurcation::lambda, "Where on the lambda axis, 0 to 1.")
       .def_property_readonly(
           "face", [](const Bifurcation& b) { return b.point.face; }, "Face that holds the point.")

@@ -2,7 +2,7 @@
 // texture, its speed, stream function and rotation. In single precision, as files and shaders have it.
 //
 //   const FlowAttributes found = flowAttributes(field, 0, field.sampleCount(), streams);
-//   found.speed[j * field.vertexCount() + v];
+//   const float speed = found.speed[j * field.vertexCount() + v];
 #pragma once
 
 #include <vector>

@@ -39,6 +39,12 @@ LAMBDAS = """
 ParameterizedField field, fieldOverLambda
 std::vector<SurfacePoint> seeds
 """
+TASK = """
+EditTask task
+Interval interval
+ConleyIndex index
+extern EditResult result
+"""
 #: One declaration a line; constants, where they do not say what else they are.
 OWN = {
     "bindings/job.h": """
@@ -51,11 +57,21 @@ extern Work<SpaceTimeResult> prepare(const ConstraintSet& constraints)
     "design/element_constraints.h": ELEMENTS,
     "design/log_map_cache.h": ELEMENTS + "\nElementOptions options",
     "edit/detail/block_growth.h": "Topology topology\nInterval interval",
+    "edit/detail/block_sequence.h": """
+Topology topology
+Interval interval
+ConleyIndex index
+extern void use(const Block& block)
+""",
+    "edit/detail/cancel_search.h": TASK,
+    "edit/detail/cancel_steps.h": TASK,
     "edit/detail/harmonic_fill.h": "std::vector<Index> freeVertices",
     "edit/detail/interval_index.h": "Topology topology\nInterval interval",
+    "edit/detail/rotation_fill.h": "std::vector<Index> freeVertices",
     "edit/detail/verification.h": "Topology before, after\nInterval interval\nContents wanted",
     "edit/entity_names.h": "Topology topology",
     "edit/interval.h": "Topology topology",
+    "edit/transform.h": LAMBDAS,
     "io/flow_map.h": "FaceUvs uvs",
     "io/voxel_band.h": "ClosestPointQuery query",
     "morse/detail/deadline.h": "extern void work(Progress* limited)",
@@ -72,6 +88,8 @@ extern Work<SpaceTimeResult> prepare(const ConstraintSet& constraints)
     "solver/space_time_solver.h": "ConstraintSet constraints, movedConstraints",
     "streamlines/detail/line_tracer.h": "LineRules rules\nextern NearLines lines",
     "streamlines/detail/straightest_path.h": "SurfacePoint from\ndouble length",
+    "texture/flow_attributes.h": LAMBDAS + "StreamFunctionSolver streams\nIndex j",
+    "texture/rotation.h": "Points vectors",
     "topology/detail/known_limit_sets.h": """
 std::vector<FixedPoint> fixedPoints
 std::vector<TrappingRegion> trappingRegions
@@ -82,6 +100,14 @@ std::vector<TrappingRegion> trappingRegions
     "topology/detail/streamline_search.h": TRACE + "KnownLimitSets limitSets",
     "topology/detail/trapping_region.h": "FixedPoint fixedPoint\nComplex p",
     "topology/zero_search.h": "Index face",
+    "topology/detail/topology_memory.h": """
+Topology topologyBefore
+VectorField before, now
+std::vector<FixedPoint> fixedPointsNow
+StreamlineSeed seed
+extern void use(const StreamlineEnd& end)
+""",
+    "tracing/arrivals.h": "ParameterizedField field",
     "tracing/detail/face_steps.h": "StepLimits limits\nFaceFlow faceFlow\nSidePoint entry\nEigen::Vector3d inside",
     "tracing/flat_faces.h": "Complex* values",
     "tracing/particle_lines.h": LAMBDAS + "std::vector<SurfacePoint> curve",

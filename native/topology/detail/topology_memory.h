@@ -2,7 +2,7 @@
 // orbits, and where its streamlines went. What does not cross a face that has changed is as it was.
 //
 //   const Recollection known(topologyBefore, before, now, fixedPointsNow);
-//   if (const RememberedStreamline* same = known.find(seed)) use(same->end);
+//   if (const std::optional<RememberedStreamline> same = known.find(seed)) use(same->end);
 #pragma once
 
 #include <memory>
