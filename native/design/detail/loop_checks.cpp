@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <unordered_set>
 
 #include "base/error.h"
 #include "base/message.h"
@@ -12,6 +14,8 @@ namespace {
 
 /// Places of a loop that are farther apart along it than this many edges count as different.
 constexpr double kApart = 4.0;
+/// Fine samples of a loop follow each other on the surface, no farther from the first than so many times their distance.
+constexpr double kDetour = 2.0;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -44,6 +48,29 @@ std::vector<Piece> piecesOf(const TriangleMesh& mesh, const SurfacePath& path) {
   return pieces;
 }
 
+double distanceToEdge(const TriangleMesh& mesh, Index h, const Vec3& p) {
+  const Vec3 tail = mesh.point(mesh.tail(h)), along = mesh.point(mesh.head(h)) - tail;
+  const double part = std::clamp((p - tail).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (p - tail - part * along).norm();
+}
+
+/// Whether the surface leads from one face to another over edges within that distance of a place.
+bool connects(const TriangleMesh& mesh, Index from, Index to, const Vec3& place, double distance) {
+  std::unordered_set<Index> seen{from};
+  std::deque<Index> waiting{from};
+  while (!waiting.empty()) {
+    const Index f = waiting.front();
+    waiting.pop_front();
+    if (f == to) return true;
+    for (int corner = 0; corner < 3; ++corner) {
+      const Index h = TriangleMesh::halfedge(f, corner), twin = mesh.twin(h);
+      if (twin != kNone && distanceToEdge(mesh, h, place) <= distance && seen.insert(TriangleMesh::face(twin)).second)
+        waiting.push_back(TriangleMesh::face(twin));
+    }
+  }
+  return false;
+}
+
 std::string at(const Vec3& p) {
   return message("(", shortNumber(p.x()), ", ", shortNumber(p.y()), ", ", shortNumber(p.z()), ")");
 }
@@ -57,6 +84,13 @@ void checkLoop(const TriangleMesh& mesh, const SurfacePath& path, const DesignEl
   if (across < edge)
     throw InputError(describe(element) + " is " + shortNumber(across) + " across, smaller than an edge of the mesh (" +
                      shortNumber(edge) + "): draw it larger, or refine the mesh");
+  for (std::size_t k = 0; k + 1 < path.points().size(); ++k) {
+    const Vec3 &from = path.positions()[k], &to = path.positions()[k + 1];
+    const double near = kDetour * std::max((to - from).norm(), 0.5 * edge);
+    if (!connects(mesh, path.points()[k].face, path.points()[k + 1].face, from, near))
+      throw InputError(describe(element) + " jumps from " + at(from) + " to " + at(to) +
+                       ", which the surface does not join nearby: draw more points there, along the surface");
+  }
   const std::vector<Piece> pieces = piecesOf(mesh, path);
   const auto search = [&](const auto& check) {
     for (std::size_t i = 0; i < pieces.size(); ++i)

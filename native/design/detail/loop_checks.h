@@ -5,8 +5,8 @@
 
 namespace stormfield {
 
-/// Throws InputError naming the element where the loop is smaller than an edge, crosses itself, or comes back to itself
-/// closer than an edge.
+/// Throws InputError naming the element where the loop is smaller than an edge, jumps to another part of the surface,
+/// crosses itself, or comes back to itself closer than an edge.
 void checkLoop(const TriangleMesh& mesh, const SurfacePath& path, const DesignElement& element);
 
 }  // namespace stormfield

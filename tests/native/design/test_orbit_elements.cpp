@@ -175,6 +175,13 @@ TEST(OrbitElements, BadLoopsAreRefused) {
   EXPECT_NE(fault(charts, {attracting(twice)}).find("itself near ("), std::string::npos);
   const auto spiral = loop([](double t) { return onSphere(2.0 * t, 0.3 + 0.1 * t); }, 120);
   EXPECT_NE(fault(charts, {attracting(spiral)}).find("itself near ("), std::string::npos);
+  test::Surface disc = test::dividedIcosahedron(12);
+  disc.points.col(2) *= 0.1;
+  const auto sides = loop([](double t) {
+    const double above = std::sin(t) > 0.0 ? 0.095 : -0.095;
+    return Vec3(0.3 * std::cos(t), 0.3 * std::sin(t), above);
+  });
+  EXPECT_NE(fault(test::makeCharts(disc), {attracting(sides)}).find("orbit \"o\" jumps from ("), std::string::npos);
   const auto tiny = loop([](double t) { return onSphere(0.01 * std::cos(t), 0.01 * std::sin(t)); });
   EXPECT_NE(fault(charts, {attracting(tiny)}).find("across, smaller than an edge of the mesh"), std::string::npos);
   const auto off = loop([](double t) { return Vec3(1.5 * onSphere(t, 0.0)); });
