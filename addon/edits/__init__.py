@@ -23,6 +23,7 @@ from ..model.edits import BIFURCATION_TYPES, Edit
 from ..model.words import Json
 from ..work import Steps, result_of, scaled
 from .bifurcation_edits import bifurcation_steps
+from .lambda_fill import fading
 from .memory import EditMemory, Made, key_of
 from .report import OFF, EditReport, turned_off
 from .single import SampleEdit, edit_sample
@@ -167,7 +168,7 @@ def _fade(lambdas: np.ndarray, values: np.ndarray, changes: dict[int, np.ndarray
         nearest = int(edited[np.argmin(np.abs(lambdas[edited] - lam))])
         distance = abs(float(lam - lambdas[nearest]))
         if j not in changes and distance < reach:
-            values[j] += np.cos(0.5 * np.pi * distance / reach) ** 2 * changes[nearest]
+            values[j] += fading(distance, reach) * changes[nearest]
 
 
 def to_json(reports: Sequence[EditReport]) -> list[Json]:

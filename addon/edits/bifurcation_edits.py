@@ -180,16 +180,18 @@ def _closed_gap(before: History, vanish: int, appear: int, reach: float) -> Plan
 
 def _weights(history: History, paths: Collection[int], window: tuple[float, float], faces: np.ndarray) -> np.ndarray:
     """(n,): 1 at the paths, 0 on the border of a region around them."""
-    mesh = history.field.mesh
-    core = faces_of_paths(history, paths, window)
-    vertices = np.asarray(mesh.vertices)[np.unique(np.asarray(mesh.triangles)[core])]
-    return inner_weights(mesh, faces, vertices, _depth(mesh, faces, core))
+    mesh, core = history.field.mesh, faces_of_paths(history, paths, window)
+    return inner_weights(mesh, faces, _corners(mesh, core), _depth(mesh, faces, core))
+
+
+def _corners(mesh: native.TriangleMesh, faces: np.ndarray) -> np.ndarray:
+    """(k, 3): the positions of all vertices of some faces."""
+    return np.asarray(mesh.vertices)[np.unique(np.asarray(mesh.triangles)[faces])]
 
 
 def _depth(mesh: native.TriangleMesh, faces: np.ndarray, core: np.ndarray) -> float:
     """About how far a region reaches beyond its core, mesh units: of areas, as if around one point."""
-    corners = np.asarray(mesh.vertices)[np.asarray(mesh.triangles)]
-    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = np.asarray(mesh.face_areas)
     whole, inner = float(areas[faces].sum()), float(areas[np.intersect1d(core, faces)].sum())
     return max(np.sqrt(whole / np.pi) - np.sqrt(inner / np.pi), float(mesh.mean_edge_length))
 
@@ -233,9 +235,7 @@ def _movement(before: History, edit: Edit) -> Plan:
                 result[j] += weights * (between(lambdas, values, from_lam[j - a]) - values[j])
         offset = target - place
         if np.linalg.norm(offset) > 0.0:
-            core = np.asarray(mesh.vertices)[
-                np.unique(np.asarray(mesh.triangles)[faces_of_paths(before, event.paths, window)])
-            ]
+            core = _corners(mesh, faces_of_paths(before, event.paths, window))
             weights = inner_weights(mesh, faces, core, 3.0 * float(np.linalg.norm(offset)))
             over = fade(lambdas, to_lam, to_lam, reach)
             for near in map(int, np.flatnonzero(over)):

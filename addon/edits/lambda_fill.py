@@ -46,7 +46,12 @@ def fade(lambdas: np.ndarray, first: float, last: float, reach: float) -> np.nda
     away = np.maximum(np.maximum(first - lambdas, lambdas - last), 0.0)
     if reach <= 0.0:
         return (away == 0.0).astype(float)
-    return np.where(away < reach, np.cos(0.5 * np.pi * np.minimum(away / reach, 1.0)) ** 2, 0.0)
+    return np.where(away < reach, fading(np.minimum(away, reach), reach), 0.0)
+
+
+def fading(away: np.ndarray | float, reach: float) -> np.ndarray:
+    """What is left of a change at a distance in λ: 1 at none, 0 at the reach."""
+    return np.cos(0.5 * np.pi * away / reach) ** 2
 
 
 def shifted(

@@ -1,6 +1,7 @@
 // Test surfaces by property, as plain arrays, and random fields on them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "field/analytic_fields.h"
+#include "field/parameterized_field.h"
 
 namespace stormfield::test {
 
@@ -368,6 +370,18 @@ inline std::vector<SurfacePoint> randomSeeds(const TriangleMesh& mesh, std::size
 inline VectorField zeroField(ChartsPointer charts) {
   std::vector<Complex> values(charts->mesh().vertexCount(), 0.0);
   return makeVectorField(std::move(charts), std::move(values));
+}
+
+/// Samples evenly spaced over lambda.
+inline ParameterizedField blend(const std::vector<VectorField>& samples) {
+  ParameterizedField field{samples.front().charts, {}, {}};
+  std::vector<Complex> values;
+  for (std::size_t j = 0; j < samples.size(); ++j) {
+    field.lambdas.push_back(static_cast<double>(j) / static_cast<double>(std::max(std::size_t{1}, samples.size() - 1)));
+    values.insert(values.end(), samples[j].values.begin(), samples[j].values.end());
+  }
+  field.values = values;
+  return field;
 }
 
 }  // namespace stormfield::test

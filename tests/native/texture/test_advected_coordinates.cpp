@@ -12,15 +12,7 @@ namespace stormfield {
 namespace {
 
 std::shared_ptr<const ParameterizedField> shared(const std::vector<VectorField>& samples) {
-  auto field = std::make_shared<ParameterizedField>(ParameterizedField{samples.front().charts, {}, {}});
-  std::vector<Complex> values;
-  for (std::size_t j = 0; j < samples.size(); ++j) {
-    field->lambdas.push_back(static_cast<double>(j) /
-                             static_cast<double>(std::max(std::size_t{1}, samples.size() - 1)));
-    values.insert(values.end(), samples[j].values.begin(), samples[j].values.end());
-  }
-  field->values = values;
-  return field;
+  return std::make_shared<ParameterizedField>(test::blend(samples));
 }
 
 struct Scene {

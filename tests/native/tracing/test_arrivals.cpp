@@ -13,17 +13,6 @@
 namespace stormfield {
 namespace {
 
-ParameterizedField blend(const std::vector<VectorField>& samples) {
-  ParameterizedField field{samples.front().charts, {}, {}};
-  std::vector<Complex> values;
-  for (std::size_t j = 0; j < samples.size(); ++j) {
-    field.lambdas.push_back(static_cast<double>(j) / static_cast<double>(std::max(std::size_t{1}, samples.size() - 1)));
-    values.insert(values.end(), samples[j].values.begin(), samples[j].values.end());
-  }
-  field.values = values;
-  return field;
-}
-
 /// Pairs of seeds on one path each, at vertices and between them.
 std::vector<PathlineSeed> seedsOn(const TriangleMesh& mesh, double time, double longest) {
   std::vector<SurfacePoint> points = test::randomSeeds(mesh, 300, 5);
@@ -80,8 +69,8 @@ TEST(Arrivals, AreNoLessExactThanOnePathAtATime) {
                                                             {"cube", test::cube()}};
   for (const auto& [name, surface] : surfaces) {
     const auto charts = test::makeCharts(surface);
-    expectExact(blend({sampled(charts, analytic::swirl()), sampled(charts, analytic::swirl(1.0)),
-                       sampled(charts, analytic::swirl(2.0))}),
+    expectExact(test::blend({sampled(charts, analytic::swirl()), sampled(charts, analytic::swirl(1.0)),
+                             sampled(charts, analytic::swirl(2.0))}),
                 1.0, name);
   }
 }
@@ -94,7 +83,7 @@ TEST(Arrivals, AreExactOnFacesOfAllShapes) {
   for (Complex& v : turned.values) v *= Complex(0.6, 0.3);
   double fastest = 0.0;
   for (const Complex& v : field.values) fastest = std::max(fastest, std::abs(v));
-  expectExact(blend({field, turned, field}), 20.0 * field.mesh().meanEdgeLength() / fastest, "gas engine");
+  expectExact(test::blend({field, turned, field}), 20.0 * field.mesh().meanEdgeLength() / fastest, "gas engine");
 }
 
 TEST(Arrivals, LinearInTimeIsExactInThePlane) {
@@ -102,7 +91,7 @@ TEST(Arrivals, LinearInTimeIsExactInThePlane) {
   const FlatFaces faces(charts);
   const Vec3 a(0.3, 0.0, 0.0), b(-0.1, 0.4, 0.0);
   const auto constant = [&](const Vec3& v) { return sampled(charts, [&](const Vec3&) { return v; }); };
-  const ParameterizedField field = blend({constant(a), constant(b)});
+  const ParameterizedField field = test::blend({constant(a), constant(b)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}}, 0.5);
   for (const SurfacePoint& seed : test::randomSeeds(charts->mesh(), 200, 2)) {
     if (position(charts->mesh(), seed).norm() > 0.6) continue;
@@ -118,8 +107,8 @@ TEST(Arrivals, StayOnTheBoundaryAndWhereNothingMoves) {
   const auto charts = test::makeCharts(test::grid(10, 0.2));
   const FlatFaces faces(charts);
   const TriangleMesh& mesh = charts->mesh();
-  const ParameterizedField still = blend({test::zeroField(charts), test::zeroField(charts)});
-  const ParameterizedField wind = blend({sampled(charts, [](const Vec3&) { return Vec3(1.0, 0.0, 0.0); })});
+  const ParameterizedField still = test::blend({test::zeroField(charts), test::zeroField(charts)});
+  const ParameterizedField wind = test::blend({sampled(charts, [](const Vec3&) { return Vec3(1.0, 0.0, 0.0); })});
   const auto seeds = seedsOn(mesh, 0.5, 5.0);
   const auto rest = traceArrivals({faces, still, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}}}, seeds, {});
   const UnsteadyField flow(faces, wind, {.times = {0.0}, .lambdas = {0.0}});
@@ -141,7 +130,7 @@ TEST(Arrivals, ParticleAtRestIsSetInMotion) {
   const auto constant = [&](double speed) {
     return sampled(charts, [&](const Vec3&) { return Vec3(speed, 0.3 * speed, 0.0); });
   };
-  const ParameterizedField field = blend({constant(0.0), constant(0.0), constant(0.4)});
+  const ParameterizedField field = test::blend({constant(0.0), constant(0.0), constant(0.4)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
   for (const SurfacePoint& seed : {vertexPoint(charts->mesh(), 24), SurfacePoint{30, {0.2, 0.3, 0.5}}}) {
     const Vec3 way =
@@ -153,7 +142,8 @@ TEST(Arrivals, ParticleAtRestIsSetInMotion) {
 TEST(Arrivals, AreTheSameForAnyNumberOfThreads) {
   const auto charts = test::makeCharts(test::dividedIcosahedron(16));
   const FlatFaces faces(charts);
-  const ParameterizedField field = blend({sampled(charts, analytic::swirl()), sampled(charts, analytic::swirl(1.0))});
+  const ParameterizedField field =
+      test::blend({sampled(charts, analytic::swirl()), sampled(charts, analytic::swirl(1.0))});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
   const auto seeds = seedsOn(charts->mesh(), 0.0, 1.0);
   const auto many = traceArrivals(flow, seeds, {});
@@ -213,7 +203,7 @@ TEST(Arrivals, AreTheSameOnEveryProcessor) {
 TEST(Arrivals, RefuseBadInput) {
   const auto charts = test::makeCharts(test::dividedIcosahedron(2));
   const FlatFaces faces(charts);
-  const ParameterizedField field = blend({sampled(charts, analytic::swirl())});
+  const ParameterizedField field = test::blend({sampled(charts, analytic::swirl())});
   const UnsteadyField flow(faces, field, {.times = {0.0}, .lambdas = {0.0}});
   const SurfacePoint p = vertexPoint(charts->mesh(), 3);
   const double infinity = std::numeric_limits<double>::infinity();

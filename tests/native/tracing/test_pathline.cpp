@@ -11,17 +11,6 @@
 namespace stormfield {
 namespace {
 
-ParameterizedField blend(const std::vector<VectorField>& samples) {
-  ParameterizedField field{samples.front().charts, {}, {}};
-  std::vector<Complex> values;
-  for (std::size_t j = 0; j < samples.size(); ++j) {
-    field.lambdas.push_back(static_cast<double>(j) / static_cast<double>(std::max(std::size_t{1}, samples.size() - 1)));
-    values.insert(values.end(), samples[j].values.begin(), samples[j].values.end());
-  }
-  field.values = values;
-  return field;
-}
-
 TEST(LambdaTrack, SegmentsFollowSamplesAndTimes) {
   const auto segments =
       timeSegments({0.0, 0.5, 1.0}, {.times = {0.0, 10.0, 20.0, 30.0}, .lambdas = {0.0, 1.0, 1.0, 0.75}});
@@ -56,7 +45,7 @@ TEST(Pathline, ConstantFieldAgreesWithStreamlines) {
   const auto charts = test::makeCharts(test::torus(30, 16, 1.0, 0.4, 0.2));
   const FlatFaces faces(charts);
   const VectorField steady = sampled(charts, analytic::swirl());
-  const ParameterizedField field = blend({steady, steady, steady});
+  const ParameterizedField field = test::blend({steady, steady, steady});
   const UnsteadyField flow(faces, field, {.times = {0.0, 0.3, 2.0}, .lambdas = {0.0, 1.0, 0.2}});
   for (const Direction direction : {Direction::Forward, Direction::Backward}) {
     const TraceOptions options{.direction = direction, .maxTime = 0.8, .tolerance = 1e-8};
@@ -78,7 +67,7 @@ TEST(Pathline, LinearInTimeIsExactInThePlane) {
   const FlatFaces faces(charts);
   const Vec3 a(0.3, 0.0, 0.0), b(-0.1, 0.4, 0.0);
   const auto constant = [&](const Vec3& v) { return sampled(charts, [&](const Vec3&) { return v; }); };
-  const ParameterizedField field = blend({constant(a), constant(b)});
+  const ParameterizedField field = test::blend({constant(a), constant(b)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}}, 0.5);
   for (const SurfacePoint& seed : test::randomSeeds(charts->mesh(), 200, 2)) {
     if (position(charts->mesh(), seed).norm() > 0.6) continue;
@@ -93,8 +82,9 @@ TEST(Pathline, LinearInTimeIsExactInThePlane) {
 TEST(Pathline, ForwardThenBackwardReturnsAtVerticesToo) {
   const auto charts = test::makeCharts(test::dividedIcosahedron(12));
   const FlatFaces faces(charts);
-  const ParameterizedField field = blend({sampled(charts, analytic::swirl()), sampled(charts, analytic::swirl(1.0)),
-                                          sampled(charts, analytic::swirl(2.0))});
+  const ParameterizedField field =
+      test::blend({sampled(charts, analytic::swirl()), sampled(charts, analytic::swirl(1.0)),
+                   sampled(charts, analytic::swirl(2.0))});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
   std::vector<PathlineSeed> seeds;
   for (Index v = 0; v < charts->mesh().vertexCount(); v += 5)
@@ -114,7 +104,7 @@ TEST(Pathline, ParticleAtRestIsSetInMotion) {
   const auto constant = [&](double speed) {
     return sampled(charts, [&](const Vec3&) { return Vec3(speed, 0.3 * speed, 0.0); });
   };
-  const ParameterizedField field = blend({constant(0.0), constant(0.0), constant(0.4)});
+  const ParameterizedField field = test::blend({constant(0.0), constant(0.0), constant(0.4)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
   for (const SurfacePoint& seed : {vertexPoint(charts->mesh(), 24), SurfacePoint{30, {0.2, 0.3, 0.5}}}) {
     const TraceEnd end = tracePathlineEnds(flow, {{seed, 0.0, 1.0}}, {}).front();
@@ -131,7 +121,7 @@ TEST(Pathline, WaitsAtACornerOfTheBoundaryUntilTheFlowTurns) {
   const auto constant = [&](double x, double y) {
     return sampled(charts, [=](const Vec3&) { return Vec3(x, y, 0.0); });
   };
-  const ParameterizedField field = blend({constant(1.0, 1.0), constant(-1.0, -1.0)});
+  const ParameterizedField field = test::blend({constant(1.0, 1.0), constant(-1.0, -1.0)});
   const UnsteadyField flow(faces, field, {.times = {0.0, 1.0}, .lambdas = {0.0, 1.0}});
   const TraceEnd end =
       tracePathlineEnds(flow, {{vertexPoint(charts->mesh(), 48), 0.0, 1.0}}, {.boundary = BoundaryRule::Slide}).front();
@@ -146,7 +136,7 @@ TEST(Pathline, NeverLoopsForEver) {
   for (unsigned run = 0; run < 12; ++run) {
     const auto& charts = meshes[run % meshes.size()];
     const FlatFaces faces(charts);
-    const ParameterizedField field = blend(
+    const ParameterizedField field = test::blend(
         {test::randomField(charts, run), test::randomField(charts, run + 50), test::randomField(charts, run + 99)});
     const UnsteadyField flow(faces, field, {.times = {0.0, 1.0, 1.5}, .lambdas = {0.0, 1.0, 0.3}});
     std::vector<PathlineSeed> seeds;
